@@ -8,7 +8,7 @@ mod common;
 
 use std::{collections::BTreeMap, error::Error, time::Instant};
 
-use stereotrace::{Gpu, Method, Options, Renderer, Rig, metrics::compare};
+use stereotrace::{Gpu, Method, Options, Renderer, Rig, blocking::Wait, metrics::compare};
 
 use crate::common::{
     options::{is_quick, scenes_named},
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let quick = is_quick();
     let (size, eyes, rounds) = if quick { ([64, 64], 5, 1) } else { ([512, 512], 45, 5) };
     let names = scenes_named(&["hall", "dragon"]);
-    let gpu = Gpu::new()?;
+    let gpu = Gpu::new().wait()?;
     let provenance = Provenance::of(&gpu);
     println!("{provenance}\n");
     let mut renderer = Renderer::new(gpu);
@@ -43,13 +43,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn measure(renderer: &mut Renderer, bench: &BenchScene, eyes: usize, rounds: usize) -> Result<(), Box<dyn Error>> {
     let BenchScene { name, scene, camera } = bench;
     let rig = Rig::row(*camera, eyes);
-    let uploaded = renderer.upload(scene)?;
+    let uploaded = renderer.upload(scene).wait()?;
     let mut walls = vec![Vec::new(); METHODS.len()];
     let mut passes = vec![BTreeMap::<&str, Vec<f64>>::new(); METHODS.len()];
     for round in 0..=rounds {
         for index in order(round, METHODS.len()) {
             let start = Instant::now();
-            let views = renderer.render_views(&uploaded, &rig, &Options::new(METHODS[index]))?;
+            let views = renderer.views(&uploaded, &rig).options(&Options::new(METHODS[index])).read().wait()?;
             let wall = 1e3 * start.elapsed().as_secs_f64();
             if round == 0 {
                 continue;
@@ -63,7 +63,7 @@ fn measure(renderer: &mut Renderer, bench: &BenchScene, eyes: usize, rounds: usi
         }
     }
     let median = |times: &Vec<f64>| Spread::of(times.iter().copied()).median;
-    let naive = renderer.render_views(&uploaded, &rig, &Options::new(Method::Naive).count(true))?;
+    let naive = renderer.views(&uploaded, &rig).options(&Options::new(Method::Naive).count(true)).read().wait()?;
     let cost = |views: &stereotrace::Views| views.views.iter().map(|view| view.work.cost() as f64).sum::<f64>();
     println!("{}, {eyes} views, {NEIGHBOURS} px between neighbours\n", scenes::title(name));
     println!(
@@ -72,7 +72,7 @@ fn measure(renderer: &mut Renderer, bench: &BenchScene, eyes: usize, rounds: usi
     );
     println!("|---|---|---|---|---|---|---|");
     for (index, &method) in METHODS.iter().enumerate() {
-        let views = renderer.render_views(&uploaded, &rig, &Options::new(method).count(true))?;
+        let views = renderer.views(&uploaded, &rig).options(&Options::new(method).count(true)).read().wait()?;
         let (mut sum, mut least, mut wrong) = (0.0, 100.0_f64, 0.0_f64);
         for (view, truth) in views.views.iter().zip(&naive.views) {
             let difference = compare(&view.view, &truth.view, &views.pose)?;

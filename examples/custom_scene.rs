@@ -8,6 +8,7 @@ use std::error::Error;
 
 use stereotrace::{
     Finish, Gpu, Light, Material, Mesh, Options, Plane, Renderer, Scene, Sky, Sphere, StereoCamera, Texture,
+    blocking::Wait,
     glam::{Vec2, Vec3},
     output::Anaglyph,
 };
@@ -18,9 +19,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The screen stands at the target: what is nearer comes out of it, and what is farther lies behind.
     let camera = StereoCamera::look_at(Vec3::new(0.3, 1.7, 6.0), Vec3::new(0.0, 0.8, 0.0)).size(640, 400);
 
-    let mut renderer = Renderer::new(Gpu::new()?);
-    let uploaded = renderer.upload(&scene)?;
-    let pair = renderer.render(&uploaded, &camera, &Options::default().samples(4).shadow_rays(8))?;
+    let mut renderer = Renderer::new(Gpu::new().wait()?);
+    let uploaded = renderer.upload(&scene).wait()?;
+    let pair =
+        renderer.pair(&uploaded, &camera).options(&Options::default().samples(4).shadow_rays(8)).read().wait()?;
     pair.anaglyph(Anaglyph::Dubois).save_png(&path)?;
     let comfort = pair.pose.comfort(pair.left.depth_range().0, f32::INFINITY, 0.6);
     println!("{path}: {:.1}% of the right eye traced again", 100.0 * pair.statistics.retraced_share());

@@ -10,6 +10,7 @@ use std::{error::Error, f32::consts::TAU, fs, path::Path, time::Instant};
 
 use stereotrace::{
     Builtin, GBuffer, Gpu, Options, Renderer, Update,
+    blocking::Wait,
     glam::{Affine3A, Quat},
     output::Anaglyph,
 };
@@ -21,19 +22,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(&folder)?;
 
     let (mut scene, camera) = (Builtin::Spheres.scene(), Builtin::Spheres.camera(320, 240));
-    let mut renderer = Renderer::new(Gpu::new()?);
-    let mut uploaded = renderer.upload(&scene)?;
+    let mut renderer = Renderer::new(Gpu::new().wait()?);
+    let mut uploaded = renderer.upload(&scene).wait()?;
     let options = Options::default().g_buffer(GBuffer::None);
     let step = Affine3A::from_quat(Quat::from_rotation_y(TAU / frames as f32));
     let begin = Instant::now();
     for frame in 0..frames {
-        let pair = renderer.render(&uploaded, &camera, &options)?;
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait()?;
         pair.anaglyph(Anaglyph::HalfColour).save_png(Path::new(&folder).join(format!("film_{frame:04}.png")))?;
         for object in 0..scene.object_count() as u32 {
             scene.transform_object(object, &step)?;
         }
         // The tree keeps its shape, and its boxes follow; after large changes, Update::Rebuild is faster to trace.
-        renderer.update(&mut uploaded, &scene, Update::Refit)?;
+        renderer.update(&mut uploaded, &scene, Update::Refit).wait()?;
     }
     let each = 1e3 * begin.elapsed().as_secs_f64() / f64::from(frames);
     println!("{folder}: {frames} frames, {each:.0} ms each with update and file");

@@ -12,6 +12,7 @@ use std::{error::Error, path::Path};
 
 use stereotrace::{
     Builtin, Gpu, Method, Options, Renderer,
+    blocking::Wait,
     output::{Batch, ExrColor, Packing},
 };
 
@@ -37,10 +38,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     if !is_off_axis {
         camera = camera.interaxial(camera.pose()?.interaxial).screen_distance(f32::INFINITY);
     }
-    let mut renderer = Renderer::new(Gpu::new()?);
-    let uploaded = renderer.upload(&scene)?;
-    let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Auto).linear(true))?;
-    let truth = renderer.ground_truth(&uploaded, &scene, &pair)?;
+    let mut renderer = Renderer::new(Gpu::new().wait()?);
+    let uploaded = renderer.upload(&scene).wait()?;
+    let pair = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Auto).linear(true)).read().wait()?;
+    let truth = renderer.ground_truth(&uploaded, &scene, &pair).wait()?;
 
     let mut files = Batch::new();
     for (n, view, eye) in [(0, &pair.left, &truth.left), (1, &pair.right, &truth.right)] {

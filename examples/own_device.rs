@@ -10,6 +10,7 @@ use std::error::Error;
 
 use stereotrace::{
     Builtin, GBuffer, Gpu, Method, Options, Renderer, Rig,
+    blocking::Wait,
     output::{Anaglyph, Picture},
     wgpu,
 };
@@ -49,14 +50,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or("anaglyph.png".into());
     let (device, queue) = own_device()?;
     let mut renderer = Renderer::new(Gpu::from_device(device.clone(), queue.clone())?);
-    let scene = renderer.upload(&Builtin::Hall.scene())?;
+    let scene = renderer.upload(&Builtin::Hall.scene()).wait()?;
     let rig = Rig::pair(Builtin::Hall.camera(SIZE[0], SIZE[1]));
     let options = Options::new(Method::default()).g_buffer(GBuffer::None);
 
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let pair = renderer.encode(&scene, &rig, &options, &mut encoder)?;
+    let pair = renderer.views(&scene, &rig).options(&options).encode(&mut encoder).wait()?;
     let shown = texture(&device);
-    draw(&device, &mut encoder, [&pair.views[0].color, &pair.views[1].color], &shown);
+    draw(&device, &mut encoder, [&pair.views[0].linear(), &pair.views[1].linear()], &shown);
     let bytes = download(&device, &mut encoder, &shown);
     queue.submit([encoder.finish()]);
 
@@ -96,7 +97,12 @@ fn texture(device: &wgpu::Device) -> wgpu::Texture {
     })
 }
 
-fn draw(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, views: [&wgpu::Texture; 2], shown: &wgpu::Texture) {
+fn draw(
+    device: &wgpu::Device,
+    encoder: &mut wgpu::CommandEncoder,
+    views: [&wgpu::TextureView; 2],
+    shown: &wgpu::Texture,
+) {
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("anaglyph"),
         source: wgpu::ShaderSource::Wgsl(shader().into()),
@@ -122,19 +128,12 @@ fn draw(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, views: [&wgpu
         multiview_mask: None,
         cache: None,
     });
-    // As sRGB, so that what is sampled is linear.
-    let linear = wgpu::TextureViewDescriptor {
-        format: Some(wgpu::TextureFormat::Rgba8UnormSrgb),
-        usage: Some(wgpu::TextureUsages::TEXTURE_BINDING),
-        ..Default::default()
-    };
-    let views = views.map(|texture| texture.create_view(&linear));
     let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("views"),
         layout: &pipeline.get_bind_group_layout(0),
         entries: &[0, 1].map(|eye| wgpu::BindGroupEntry {
             binding: eye,
-            resource: wgpu::BindingResource::TextureView(&views[eye as usize]),
+            resource: wgpu::BindingResource::TextureView(views[eye as usize]),
         }),
     });
     let target = shown.create_view(&wgpu::TextureViewDescriptor::default());

@@ -7,7 +7,8 @@
 use std::{error::Error, fs, path::Path};
 
 use stereotrace::{
-    Builtin, Gpu, Options, Renderer, Rig,
+    Builtin, Gpu, Renderer, Rig,
+    blocking::Wait,
     output::{quilt, quilt_name},
 };
 
@@ -23,9 +24,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let camera = Builtin::HallFinished.camera(VIEW[0], VIEW[1]).interaxial_pixels(APART);
     let rig = Rig::row(camera, (GRID[0] * GRID[1]) as usize);
 
-    let mut renderer = Renderer::new(Gpu::new()?);
-    let scene = renderer.upload(&Builtin::HallFinished.scene())?;
-    let views = renderer.render_views(&scene, &rig, &Options::default())?;
+    let mut renderer = Renderer::new(Gpu::new().wait()?);
+    let scene = renderer.upload(&Builtin::HallFinished.scene()).wait()?;
+    let views = renderer.views(&scene, &rig).read().wait()?;
 
     // Displays read the grid from the name.
     let path = Path::new(&folder).join(quilt_name("hall", &views, GRID[0], GRID[1]));

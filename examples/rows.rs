@@ -9,7 +9,7 @@
 
 use std::{error::Error, path::Path, time::Instant};
 
-use stereotrace::{Builtin, Gpu, Method, Options, Renderer, Rig, output::Batch};
+use stereotrace::{Builtin, Gpu, Method, Options, Renderer, Rig, blocking::Wait, output::Batch};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -20,8 +20,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let method: Method = arguments.next().unwrap_or("bracket".into()).parse()?;
     std::fs::create_dir_all(&folder)?;
 
-    let mut renderer = Renderer::new(Gpu::new()?);
-    let scene = renderer.upload(&Builtin::Hall.scene())?;
+    let mut renderer = Renderer::new(Gpu::new().wait()?);
+    let scene = renderer.upload(&Builtin::Hall.scene()).wait()?;
     let rig = Rig::pair(Builtin::Hall.camera(width, height));
     let options = Options::new(method).g_buffer(stereotrace::GBuffer::None);
     println!("before the first row: {}", memory());
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 left.write(&rows.views[0].view.rgba8)?;
                 right.write(&rows.views[1].view.rgba8)
             };
-            done = Some(renderer.render_rows(&scene, &rig, &options, &mut write)?);
+            done = Some(renderer.views(&scene, &rig).options(&options).rows(&mut write).wait()?);
             Ok(())
         })
     })?;

@@ -1,6 +1,9 @@
 //! The error type of the library.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+};
 
 use crate::message::{counted, escaped, tidy};
 
@@ -17,7 +20,7 @@ const ADAPTER_REMEDY: &str = if cfg!(target_arch = "wasm32") {
 /// A message already includes the text of its [`source`](std::error::Error::source): print the message, not the chain.
 /// Sources serve to find out their kind. (Sources of device errors are text, since they can't cross threads in a
 /// browser.)
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// No graphics driver offers an adapter that fits.
@@ -190,6 +193,13 @@ fn shown(path: &Path) -> String {
 /// Returns a message about a file, or about one of its lines.
 pub(crate) fn located(path: &Path, line: Option<usize>, text: &str) -> String {
     format!("{}{}: {}", shown(path), line.map(|line| format!(":{line}")).unwrap_or_default(), tidy(text))
+}
+
+/// Prints the message, so that a `main` that returns an error shows it.
+impl fmt::Debug for Error {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, formatter)
+    }
 }
 
 impl Error {

@@ -28,7 +28,7 @@
 //! | I want to | Use |
 //! |---|---|
 //! | render one stereo pair | [`render_stereo`] |
-//! | render many pairs or frames | [`Renderer`], [`Renderer::upload_async`], [`Renderer::render_async`] |
+//! | render many pairs or frames | [`Renderer`], [`Renderer::upload`], [`Renderer::pair`] |
 //! | build a scene | [`Scene`], [`Mesh`], [`Sphere`], [`Material`], [`Light`], [`Sky`] |
 //! | read a scene from a file | [`SceneFile`] |
 //! | set up the eyes | [`StereoCamera`], or [`Rig`] for more than two views |
@@ -36,8 +36,8 @@
 //! | write anaglyphs and other files | [`output`] |
 //! | get disparity, occlusion and normals | [`GroundTruth`] |
 //! | compare pictures | [`metrics`] |
-//! | trace my own rays | [`Ray`], [`Renderer::closest_hits_async`] |
-//! | draw into my own GPU program | [`Gpu::from_device`], [`Renderer::encode_async`] |
+//! | trace my own rays | [`Ray`], [`Renderer::closest_hits`] |
+//! | draw into my own GPU program | [`Gpu::from_device`], [`FrameBuilder::encode`] |
 //!
 //! ```text
 //! Scene ──obvhs──▶ Bvh ──upload──▶ UploadedScene   (once per scene)
@@ -66,9 +66,9 @@
 //!
 //! # Waiting
 //!
-//! Each operation that waits for the device has an async form (`…_async`) and a blocking form. Futures are `Send`,
-//! except on wasm32. On native targets, polling blocks the thread while the device works, since no other thread drives
-//! the device. In a browser nothing blocks.
+//! Operations that wait for the device are async functions. [`blocking::Wait`] waits for them on the calling thread.
+//! Futures are `Send`, except on wasm32. On native targets no other thread drives the device, so polling a future
+//! blocks for some milliseconds at a time. In a browser nothing blocks.
 //!
 //! # Features
 //!
@@ -90,7 +90,7 @@ pub use wgpu;
 mod accel;
 mod ask;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
-mod blocking;
+pub mod blocking;
 mod error;
 #[cfg(test)]
 #[path = "../tests/it/common/folder.rs"]
@@ -133,7 +133,7 @@ pub use ask::samples::Filter;
 pub use ask::shadow_buffer::{MAX_SHADOW_BUFFERS, ShadowBuffer, ShadowBufferWork, ShadowRule};
 pub use ask::visibility::Visibility;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
-pub use blocking::{render_stereo, render_views};
+pub use blocking::render_stereo;
 pub use error::Error;
 pub use frame::view::{PixelSource, ShadowSource, View};
 pub use frame::work::{Rays, Work};
@@ -149,7 +149,7 @@ pub use methods::auto::Choice;
 pub use render::cast::{Cast, Ray, RayHit};
 pub use render::pair::{Statistics, StereoPair};
 pub use render::{Encoded, EncodedView};
-pub use render::{Renderer, render_stereo_async, render_views_async};
+pub use render::{FrameBuilder, Renderer};
 pub use render::{RigView, Views};
 pub use render::{Update, UploadInfo, UploadedScene};
 pub use scene::builtin::Builtin;
@@ -160,5 +160,6 @@ pub use scene::{
 pub use truth::disparity::Occlusion;
 pub use truth::ground_truth::{EyeTruth, GroundTruth};
 pub use truth::occlusion::Occlusions;
+pub use truth::surface::Surface;
 pub use view::camera::{CameraPath, Comfort, Convergence, FAR, Pose, StereoCamera};
 pub use view::rig::Rig;

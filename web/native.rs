@@ -8,7 +8,8 @@ use std::{error::Error, fs, path::Path, time::Instant};
 
 use serde_json::{Value, json};
 use stereotrace::{
-    Builtin, Gpu, Method, Options, Renderer, Scene, SceneFile, SceneOptions, Sky, StereoCamera, glam::Vec3,
+    Builtin, Gpu, Method, Options, Renderer, Scene, SceneFile, SceneOptions, Sky, StereoCamera, blocking::Wait,
+    glam::Vec3,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -20,13 +21,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(&folder);
     let camera = camera(&request["camera"])?;
     let scene = scene(&request["scene"], &camera)?;
-    let mut renderer = Renderer::new(Gpu::new()?);
-    let uploaded = renderer.upload(&scene)?;
+    let mut renderer = Renderer::new(Gpu::new().wait()?);
+    let uploaded = renderer.upload(&scene).wait()?;
     let mut times = serde_json::Map::new();
     for name in request["methods"].as_array().ok_or("no methods")? {
         let name = name.as_str().ok_or("a method that is no name")?;
         let options = Options::new(name.parse::<Method>()?);
-        let pair = renderer.render(&uploaded, &camera, &options)?;
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait()?;
         for (eye, view) in [("left", &pair.left), ("right", &pair.right)] {
             view.picture().save_png(folder.join(format!("{name}-{eye}.png")))?;
         }
@@ -34,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut taken = Vec::new();
         for _ in 0..rounds {
             let begin = Instant::now();
-            renderer.render(&uploaded, &camera, &options)?;
+            renderer.pair(&uploaded, &camera).options(&options).read().wait()?;
             taken.push(1e3 * begin.elapsed().as_secs_f64());
         }
         taken.sort_by(f64::total_cmp);

@@ -4,6 +4,7 @@ use std::{error::Error, time::Instant};
 
 use stereotrace::{
     Method, Options, Renderer, Statistics, StereoCamera, UploadedScene,
+    blocking::Wait,
     metrics::{self, Difference},
 };
 
@@ -87,7 +88,7 @@ pub fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Resu
     let BenchScene { name, scene, camera } = bench;
     eprintln!("{name}: {} primitives, {} + {} rounds", scene.primitive_count(), plan.warm_ups, plan.rounds);
     let pose = camera.pose()?;
-    let lit = renderer.upload(scene)?;
+    let lit = renderer.upload(scene).wait()?;
     let mut samples: Vec<Vec<Sample>> = vec![Vec::new(); plan.methods.len()];
     for round in 0..plan.warm_ups + plan.rounds {
         let timed = round >= plan.warm_ups;
@@ -97,7 +98,9 @@ pub fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Resu
         }
     }
 
-    let counting = |renderer: &mut Renderer, method| renderer.render(&lit, camera, &Options::new(method).count(true));
+    let counting = |renderer: &mut Renderer, method| {
+        renderer.pair(&lit, camera).options(&Options::new(method).count(true)).read().wait()
+    };
     let naive = counting(renderer, Method::Naive)?;
     let mut methods = Vec::new();
     for (index, &method) in plan.methods.iter().enumerate() {
@@ -136,7 +139,7 @@ fn time(
     method: Method,
 ) -> Result<Sample, stereotrace::Error> {
     let start = Instant::now();
-    let statistics = renderer.trace(scene, camera, &Options::new(method))?;
+    let statistics = renderer.pair(scene, camera).options(&Options::new(method)).trace().wait()?;
     let wall = milliseconds(start);
     let Some(times) = statistics.times else { return Ok(Sample { pair: wall, left: None, passes: Vec::new(), wall }) };
     let passes: Vec<_> = times.passes.iter().map(|(pass, time)| (*pass, time.as_secs_f64() * 1e3)).collect();

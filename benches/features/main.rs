@@ -10,7 +10,7 @@ mod states;
 
 use std::{error::Error, time::Instant};
 
-use stereotrace::{BvhBuild, Gpu, Method, Options, Renderer, UploadedScene};
+use stereotrace::{BvhBuild, Gpu, Method, Options, Renderer, UploadedScene, blocking::Wait};
 
 use crate::common::{
     options::is_quick,
@@ -23,7 +23,7 @@ use crate::states::{Variant, states, terrain};
 fn main() -> Result<(), Box<dyn Error>> {
     let quick = is_quick();
     let (size, rounds) = if quick { ([64, 64], 1) } else { ([600, 600], 7) };
-    let gpu = Gpu::new()?;
+    let gpu = Gpu::new().wait()?;
     let provenance = Provenance::of(&gpu);
     println!("{provenance}");
     features(&gpu, size, rounds)?;
@@ -73,7 +73,7 @@ fn measure(gpu: &Gpu, variants: &[Variant], rounds: usize) -> Result<Vec<Figures
     let mut measured = Vec::new();
     for variant in variants {
         let mut renderer = Renderer::new(gpu.clone());
-        let scene = renderer.upload(&variant.scene)?;
+        let scene = renderer.upload(&variant.scene).wait()?;
         let first_ms = wall_ms(&mut renderer, &scene, variant)?;
         measured.push((renderer, scene, first_ms, f64::INFINITY, Vec::new(), 0));
     }
@@ -81,7 +81,8 @@ fn measure(gpu: &Gpu, variants: &[Variant], rounds: usize) -> Result<Vec<Figures
         for turn in order(round, variants.len()) {
             let (renderer, scene, _, least_ms, times, bytes) = &mut measured[turn];
             let start = Instant::now();
-            let statistics = renderer.trace(scene, &variants[turn].camera, &variants[turn].options)?;
+            let statistics =
+                renderer.pair(scene, &variants[turn].camera).options(&variants[turn].options).trace().wait()?;
             let elapsed = start.elapsed().as_secs_f64() * 1e3;
             *least_ms = least_ms.min(elapsed);
             // Naive traces two eyes alike.
@@ -101,7 +102,7 @@ fn measure(gpu: &Gpu, variants: &[Variant], rounds: usize) -> Result<Vec<Figures
 /// The host's time of a frame without read-back.
 fn wall_ms(renderer: &mut Renderer, scene: &UploadedScene, variant: &Variant) -> Result<f64, stereotrace::Error> {
     let start = Instant::now();
-    renderer.trace(scene, &variant.camera, &variant.options)?;
+    renderer.pair(scene, &variant.camera).options(&variant.options).trace().wait()?;
     Ok(start.elapsed().as_secs_f64() * 1e3)
 }
 
@@ -118,14 +119,14 @@ fn builds(gpu: &Gpu, names: &[&str], [width, height]: [u32; 2], rounds: usize) -
         };
         let mut renderer = Renderer::new(gpu.clone());
         // The first build also warms up the host's threads and memory.
-        renderer.upload(&scene)?;
-        let uploaded = BvhBuild::ALL.iter().map(|&build| renderer.upload_with(&scene, build));
+        renderer.upload(&scene).wait()?;
+        let uploaded = BvhBuild::ALL.iter().map(|&build| renderer.upload_with(&scene, build).wait());
         let uploaded = uploaded.collect::<Result<Vec<_>, _>>()?;
         let mut times = vec![Vec::new(); uploaded.len()];
         for round in 0..=rounds {
             for turn in order(round, uploaded.len()) {
                 let start = Instant::now();
-                renderer.trace(&uploaded[turn], &camera, &Options::new(Method::Naive))?;
+                renderer.pair(&uploaded[turn], &camera).options(&Options::new(Method::Naive)).trace().wait()?;
                 times[turn].extend((round > 0).then(|| start.elapsed().as_secs_f64() * 1e3));
             }
         }

@@ -13,7 +13,7 @@ mod obvhs_tracer;
 use std::{error::Error, path::PathBuf, process::ExitCode, time::Instant};
 
 use clap::Parser;
-use stereotrace::{Gpu, Renderer, Traversal, UploadedScene};
+use stereotrace::{Gpu, Renderer, Traversal, UploadedScene, blocking::Wait};
 
 use crate::{
     common::{
@@ -65,7 +65,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         [] => ["hall", "sponza_4x", "dragon"].map(str::to_owned).to_vec(),
         named => named.to_vec(),
     };
-    let gpu = Gpu::new()?;
+    let gpu = Gpu::new().wait()?;
     let provenance = Provenance::of(&gpu);
     let own = Traversal::of(&gpu);
     let others = Traversal::ALL.iter().copied().filter(|traversal| arguments.variants && *traversal != own);
@@ -117,7 +117,7 @@ fn measure(
     if let Some(folder) = dump {
         dump::write(&folder.join(name), scene, &kinds)?;
     }
-    let uploaded = devices.iter().map(|device| device.renderer.upload(scene)).collect::<Result<Vec<_>, _>>()?;
+    let uploaded = devices.iter().map(|device| device.renderer.upload(scene).wait()).collect::<Result<Vec<_>, _>>()?;
     for kind in kinds.iter().filter(|kind| kind.rays() > 0) {
         // obvhs takes shadow rays from the end where it is faster.
         let yardsticks = if kind.name == "shadow" { 2 } else { 1 };
@@ -173,11 +173,11 @@ fn on_device(renderer: &Renderer, scene: &UploadedScene, kind: &Kind) -> Result<
         let start = Instant::now();
         let (time, hits) = match kind.query {
             Query::Closest => {
-                let cast = renderer.closest_hits(scene, rays)?;
+                let cast = renderer.closest_hits(scene, rays).wait()?;
                 (cast.time, cast.hits.iter().map(|hit| hit.t).collect())
             }
             Query::Any => {
-                let cast = renderer.any_hits(scene, rays)?;
+                let cast = renderer.any_hits(scene, rays).wait()?;
                 (cast.time, as_t(cast.hits))
             }
         };

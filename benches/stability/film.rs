@@ -4,6 +4,7 @@ use std::f32::consts::TAU;
 
 use stereotrace::{
     Error, Method, Options, Renderer,
+    blocking::Wait,
     scene::builtin::{Builtin, spheres_turned},
 };
 
@@ -21,11 +22,11 @@ pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Film>,
     let camera = Builtin::Spheres.camera(plan.size[0], plan.size[1]);
     let mut flickers: Vec<_> = plan.methods.iter().map(|_| Ok(Flicker::default())).collect();
     for frame in 0..plan.frames {
-        let scene = renderer.upload(&spheres_turned(TAU * frame as f32 / plan.frames as f32)?)?;
-        let truth = renderer.render(&scene, &camera, &Options::new(Method::Naive))?.right;
+        let scene = renderer.upload(&spheres_turned(TAU * frame as f32 / plan.frames as f32)?).wait()?;
+        let truth = renderer.pair(&scene, &camera).options(&Options::new(Method::Naive)).read().wait()?.right;
         for (&method, state) in plan.methods.iter().zip(&mut flickers) {
             let Ok(flicker) = state else { continue };
-            match renderer.render(&scene, &camera, &Options::new(method)) {
+            match renderer.pair(&scene, &camera).options(&Options::new(method)).read().wait() {
                 Ok(pair) => flicker.add(&pair.right.rgba8, &truth.rgba8),
                 Err(error) => *state = Err(error.to_string()),
             }

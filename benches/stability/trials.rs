@@ -2,6 +2,7 @@
 
 use stereotrace::{
     Method, Options, Renderer, StereoPair, UploadedScene,
+    blocking::Wait,
     metrics::{self, Difference},
     testing::suite::Trial,
 };
@@ -31,9 +32,13 @@ pub(crate) fn measure(renderer: &mut Renderer, trial: Trial, plan: &Plan) -> Vec
     let camera = trial.camera(plan.size[0], plan.size[1]);
     let scene = if plan.rich { trial.rich_scene() } else { trial.scene() };
     let render = |renderer: &mut Renderer, scene: &UploadedScene, method| {
-        renderer.render(scene, &camera, &Options::new(method).samples(if plan.rich { 4 } else { 1 }).count(true))
+        renderer
+            .pair(scene, &camera)
+            .options(&Options::new(method).samples(if plan.rich { 4 } else { 1 }).count(true))
+            .read()
+            .wait()
     };
-    let truth = renderer.upload(&scene).and_then(|scene| {
+    let truth = renderer.upload(&scene).wait().and_then(|scene| {
         let naive = render(renderer, &scene, Method::Naive)?;
         Ok((scene, naive))
     });

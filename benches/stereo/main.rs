@@ -14,7 +14,7 @@ mod tables;
 use std::{error::Error, process::ExitCode};
 
 use clap::Parser;
-use stereotrace::{Gpu, Renderer};
+use stereotrace::{Gpu, Renderer, blocking::Wait};
 
 use crate::{
     common::{
@@ -31,7 +31,7 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     let plan = options.plan();
-    let mut renderer = Renderer::new(Gpu::new()?);
+    let mut renderer = Renderer::new(Gpu::new().wait()?);
     let provenance = Provenance::of(renderer.gpu());
     let mut measured: Vec<Measured> = Vec::new();
     for name in options.scenes() {

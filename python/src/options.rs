@@ -70,7 +70,7 @@ impl Output {
         Self::ALL.map(Self::name).to_vec()
     }
 
-    /// Returns whether [`stereotrace::Renderer::ground_truth_async`] makes it.
+    /// Returns whether [`stereotrace::Renderer::ground_truth`] makes it.
     fn is_ground_truth(self) -> bool {
         matches!(self, Self::Distance | Self::Occlusion | Self::Normal | Self::GeometricNormal | Self::Material)
     }

@@ -13,7 +13,8 @@ use std::{
 use numpy::PyArray1;
 use pyo3::{exceptions::PyRuntimeError, prelude::*, types::PyDict};
 use stereotrace::{
-    Adapter, BvhBuild, Error, Gpu, GroundTruth, Progress, Ray, Rig, Update, UploadedScene, dataset::FreePoses,
+    Adapter, BvhBuild, Error, Gpu, GroundTruth, Progress, Ray, Rig, Update, UploadedScene, blocking::Wait,
+    dataset::FreePoses,
 };
 
 use crate::{
@@ -106,15 +107,15 @@ impl Stage {
         let place = self.scenes.iter().position(|(known, _)| known.is_of_scene(state));
         let Some(place) = place else {
             self.make_room();
-            let uploaded = self.renderer.upload(scene)?;
+            let uploaded = self.renderer.upload(scene).wait()?;
             self.scenes.push((state, uploaded));
             return Ok(());
         };
         let (known, mut uploaded) = self.scenes.remove(place);
         if known != state {
             // Moved objects keep their tree if possible. Changes of lights and materials alone keep it too.
-            if self.renderer.update(&mut uploaded, scene, Update::Refit).is_err() {
-                uploaded = self.renderer.upload(scene)?;
+            if self.renderer.update(&mut uploaded, scene, Update::Refit).wait().is_err() {
+                uploaded = self.renderer.upload(scene).wait()?;
             }
         }
         self.scenes.push((state, uploaded));
@@ -194,7 +195,7 @@ impl Renderer {
             Some(name) => Adapter::from(name),
         };
         check_process()?;
-        let gpu = py.detach(|| Gpu::open(adapter)).map_err(raised)?;
+        let gpu = py.detach(|| Gpu::open(adapter).wait()).map_err(raised)?;
         OPENED_BY.store(process::id(), Ordering::Relaxed);
         let (name, driver) = (gpu.adapter_name(), gpu.driver());
         let is_software = gpu.adapter_info().device_type == stereotrace::wgpu::DeviceType::Cpu;
@@ -274,8 +275,8 @@ impl Renderer {
         let request = Request::of(options)?;
         let wants_truth = request.needs_ground_truth();
         let (pair, truth) = self.work(py, scene, progress, |renderer, uploaded, progress| {
-            let pair = renderer.render_with(uploaded, &camera.0, &request.options, progress)?;
-            let truth = wants_truth.then(|| renderer.ground_truth(uploaded, &scene.inner, &pair)).transpose()?;
+            let pair = renderer.pair(uploaded, &camera.0).options(&request.options).progress(progress).read().wait()?;
+            let truth = wants_truth.then(|| renderer.ground_truth(uploaded, &scene.inner, &pair).wait()).transpose()?;
             Ok::<(_, Option<GroundTruth>), Error>((pair, truth))
         })?;
         StereoPair::of(py, Frame { pair, truth, camera, request })
@@ -320,7 +321,7 @@ impl Renderer {
             None => rig,
         };
         let views = self.work(py, scene, progress, |renderer, uploaded, progress| {
-            renderer.render_views_with(uploaded, &rig, &request.options, progress)
+            renderer.views(uploaded, &rig).options(&request.options).progress(progress).read().wait()
         })?;
         Views::of(py, RigFrame { views, camera, request })
     }
@@ -364,7 +365,7 @@ impl Renderer {
             if let Some(share) = min_surfaces {
                 poses = poses.surfaces(share);
             }
-            poses.find(renderer, uploaded, item)
+            poses.find(renderer, uploaded, item).wait()
         })?;
         Ok((Camera(found.camera), found.tries))
     }
@@ -397,7 +398,8 @@ impl Renderer {
             .enumerate()
             .map(|(index, &direction)| Ray::new(origins[if origins.len() == 1 { 0 } else { index }], direction));
         let rays: Vec<Ray> = rays.collect();
-        let hits = self.work(py, scene, None, |renderer, uploaded, _| renderer.closest_hits(uploaded, &rays))?.hits;
+        let hits =
+            self.work(py, scene, None, |renderer, uploaded, _| renderer.closest_hits(uploaded, &rays).wait())?.hits;
         let (t, ids): (Vec<f32>, Vec<u32>) = hits.iter().map(|hit| (hit.t, hit.primitive)).unzip();
         Ok((PyArray1::from_vec(py, t), PyArray1::from_vec(py, ids)))
     }
@@ -417,7 +419,7 @@ impl Renderer {
         };
         let (inner, state) = (&scene.inner, scene.state);
         self.with_stage(py, |stage| {
-            let uploaded = stage.renderer.upload_with(inner, build)?;
+            let uploaded = stage.renderer.upload_with(inner, build).wait()?;
             stage.scenes.retain(|(known, _)| !known.is_of_scene(state));
             stage.make_room();
             stage.scenes.push((state, uploaded));

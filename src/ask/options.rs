@@ -2,7 +2,16 @@
 
 use crate::{Error, Filter, Method, ShadowBuffer, Visibility, ask, srgb};
 
-/// Options of a frame.
+/// Options of a frame. It can't be written as `Options { .. }`, since fields may be added: set them by methods of the
+/// same names, or assign them.
+///
+/// ```
+/// use stereotrace::{Method, Options, Tone};
+///
+/// let mut options = Options::new(Method::BRACKET).samples(9).shadow_rays(32);
+/// options.tone = Tone::Filmic;
+/// assert_eq!((options.samples, options.bounces), (9, Options::default().bounces));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Options {

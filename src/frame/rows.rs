@@ -12,7 +12,7 @@ pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + Send + 'a;
 #[cfg(target_arch = "wasm32")]
 pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + 'a;
 
-/// Rows of all views of a frame, as they are done: see [`Renderer::render_rows`](crate::Renderer::render_rows_async).
+/// Rows of all views of a frame, as they are done: see [`FrameBuilder::rows`](crate::FrameBuilder::rows).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Rows {

@@ -6,7 +6,7 @@ use crate::Error;
 /// own `WGPU_BACKEND` restricts every choice to a backend: `vulkan`, `gl`, `dx12` or `metal`.
 pub const ADAPTER_VARIABLE: &str = "STEREOTRACE_ADAPTER";
 
-/// The graphics adapter to open ([`Gpu::open_async`](crate::Gpu::open_async)).
+/// The graphics adapter to open ([`Gpu::open`](crate::Gpu::open)).
 ///
 /// A text converts to an adapter like the variable: `software` gives [`Adapter::Software`], any other text a part of a
 /// name. A browser offers one adapter, mostly without a name.

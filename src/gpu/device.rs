@@ -54,9 +54,9 @@ impl Gpu {
     /// Opens a new device on [`Adapter::FromEnv`].
     ///
     /// # Errors
-    /// Those of [`Gpu::open_async`].
-    pub async fn new_async() -> Result<Self, Error> {
-        Self::open_async(Adapter::FromEnv).await
+    /// Those of [`Gpu::open`].
+    pub async fn new() -> Result<Self, Error> {
+        Self::open(Adapter::FromEnv).await
     }
 
     /// Opens a device on an adapter, given as an [`Adapter`] or as a text: `software`, or a part of its name. Among
@@ -66,7 +66,7 @@ impl Gpu {
     /// # Errors
     /// [`Error::NoAdapter`] if none matches, with the request and the available adapters; [`Error::Gpu`] if the driver
     /// refuses to open it.
-    pub async fn open_async(adapter: impl Into<Adapter>) -> Result<Self, Error> {
+    pub async fn open(adapter: impl Into<Adapter>) -> Result<Self, Error> {
         Self::request(&adapter.into().find().await?).await
     }
 

@@ -1,9 +1,8 @@
 //! Reading back while the device continues.
 
-use super::{
-    Gpu,
-    wait::{Receiver, Submission, oneshot},
-};
+use futures_channel::oneshot::{Receiver, channel};
+
+use super::{Gpu, wait::Submission};
 use crate::Error;
 
 /// A reusable buffer that the host reads. It is freed when dropped.
@@ -39,8 +38,8 @@ impl Staging {
     /// Submits the commands that fill it.
     pub(crate) fn fill(self, gpu: &Gpu, commands: wgpu::CommandBuffer) -> Filling {
         let submission = gpu.submit([commands]);
-        let (sender, mapped) = oneshot();
-        self.0.map_async(wgpu::MapMode::Read, .., move |result| sender.send(result));
+        let (sender, mapped) = channel();
+        self.0.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result)));
         Filling { staging: self, submission, mapped }
     }
 }
@@ -53,7 +52,7 @@ impl Filling {
     pub(crate) async fn read<T>(self, gpu: &Gpu, read: impl FnOnce(&[u8]) -> T) -> Result<(T, Staging), Error> {
         gpu.finished(self.submission).await?;
         let lost = |error: &dyn std::fmt::Display| Error::DeviceLost(gpu.loss().unwrap_or(error.to_string()));
-        self.mapped.await.map_err(|error| lost(&error))?;
+        self.mapped.await.map_err(|error| lost(&error))?.map_err(|error| lost(&error))?;
         let range = self.staging.0.get_mapped_range(..).map_err(|error| lost(&error))?;
         let value = read(&range);
         drop(range);

@@ -296,9 +296,10 @@ impl Drop for Texels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blocking::Wait;
 
     fn gpu() -> Gpu {
-        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap()
+        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).wait().unwrap()
     }
 
     #[test]

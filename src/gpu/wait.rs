@@ -1,14 +1,7 @@
 //! Waiting for the device. Nothing else waits for it.
 
-use std::{
-    future::Future,
-    pin::Pin,
-    sync::{Arc, Mutex},
-    task::{Context, Poll, Waker},
-};
-
 pub(crate) use self::target::Submission;
-use super::{Gpu, lock};
+use super::Gpu;
 use crate::Error;
 
 impl Gpu {
@@ -27,7 +20,12 @@ impl Gpu {
 
 #[cfg(not(target_arch = "wasm32"))]
 mod target {
+    use std::{future::poll_fn, task::Poll, time::Duration};
+
     use super::Gpu;
+
+    /// Longest time that one poll of a future blocks its thread.
+    const SLICE: Duration = Duration::from_millis(5);
 
     /// Commands that were submitted to the device.
     pub(crate) struct Submission(wgpu::SubmissionIndex);
@@ -38,17 +36,38 @@ mod target {
             Submission(self.queue.submit(commands))
         }
 
-        /// Waits by polling the device, which nothing else does here. Blocks the thread.
+        /// Waits by polling the device, which nothing else does here. Other futures of the thread run between slices.
         pub(super) async fn wait(&self, submission: Submission) -> Result<(), String> {
-            let wait = wgpu::PollType::Wait { submission_index: Some(submission.0), timeout: None };
-            self.device.poll(wait).map(drop).map_err(|error| error.to_string())
+            loop {
+                let index = Some(submission.0.clone());
+                match self.device.poll(wgpu::PollType::Wait { submission_index: index, timeout: Some(SLICE) }) {
+                    Ok(_) => return Ok(()),
+                    Err(wgpu::PollError::Timeout) => let_others_run().await,
+                    Err(error) => return Err(error.to_string()),
+                }
+            }
         }
+    }
+
+    /// Is pending once.
+    async fn let_others_run() {
+        let mut is_ready = false;
+        poll_fn(|context| {
+            if std::mem::replace(&mut is_ready, true) {
+                return Poll::Ready(());
+            }
+            context.waker().wake_by_ref();
+            Poll::Pending
+        })
+        .await;
     }
 }
 
 #[cfg(target_arch = "wasm32")]
 mod target {
-    use super::{Gpu, Receiver, oneshot};
+    use futures_channel::oneshot::{Receiver, channel};
+
+    use super::Gpu;
 
     /// Commands that were submitted to the device.
     pub(crate) struct Submission(Receiver<()>);
@@ -57,56 +76,16 @@ mod target {
         /// Submits commands to the device.
         pub(crate) fn submit(&self, commands: impl IntoIterator<Item = wgpu::CommandBuffer>) -> Submission {
             self.queue.submit(commands);
-            let (sender, done) = oneshot();
-            self.queue.on_submitted_work_done(move || sender.send(()));
+            let (sender, done) = channel();
+            self.queue.on_submitted_work_done(move || {
+                let _ = sender.send(());
+            });
             Submission(done)
         }
 
         /// Waits without polling: the browser drives the device when this code is not running.
         pub(super) async fn wait(&self, submission: Submission) -> Result<(), String> {
-            submission.0.await;
-            Ok(())
+            submission.0.await.map_err(|error| error.to_string())
         }
     }
-}
-
-/// One value passed from a callback to a future.
-#[derive(Debug)]
-struct Slot<T> {
-    value: Option<T>,
-    waker: Option<Waker>,
-}
-
-pub(super) struct Sender<T>(Arc<Mutex<Slot<T>>>);
-
-impl<T> Sender<T> {
-    pub(super) fn send(self, value: T) {
-        let mut slot = lock(&self.0);
-        slot.value = Some(value);
-        if let Some(waker) = slot.waker.take() {
-            waker.wake();
-        }
-    }
-}
-
-pub(super) struct Receiver<T>(Arc<Mutex<Slot<T>>>);
-
-impl<T> Future for Receiver<T> {
-    type Output = T;
-
-    fn poll(self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<T> {
-        let mut slot = lock(&self.0);
-        match slot.value.take() {
-            Some(value) => Poll::Ready(value),
-            None => {
-                slot.waker = Some(context.waker().clone());
-                Poll::Pending
-            }
-        }
-    }
-}
-
-pub(super) fn oneshot<T>() -> (Sender<T>, Receiver<T>) {
-    let slot = Arc::new(Mutex::new(Slot { value: None, waker: None }));
-    (Sender(slot.clone()), Receiver(slot))
 }

@@ -3,6 +3,7 @@
 mod layouts;
 mod variants;
 
+use crate::blocking::Wait;
 use std::collections::BTreeSet;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -121,7 +122,8 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
 /// and Tint read all variants.
 #[test]
 fn specialised_kernels_make_pipelines() {
-    let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
+    let gpu =
+        crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).wait().unwrap();
     let make = || {
         let pipelines = Kernels::default();
         let mut built = BTreeSet::new();

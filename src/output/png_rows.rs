@@ -45,7 +45,7 @@ impl PngRows<'_> {
 
 impl Batch {
     /// Adds a PNG file with 8 bits per channel whose pixels `write` provides as they arrive
-    /// ([`Renderer::render_rows_async`](crate::Renderer::render_rows_async)). Only a few rows are kept in memory.
+    /// ([`FrameBuilder::rows`](crate::FrameBuilder::rows)). Only a few rows are kept in memory.
     ///
     /// # Errors
     /// Any error of `write`; [`Error::Io`], naming `path`, as [`Batch::add`], and if there were fewer pixels than the

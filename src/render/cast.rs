@@ -69,7 +69,8 @@ impl Ray {
     }
 }
 
-/// Closest hit of a ray.
+/// Closest hit of a ray. [`Scene::surface`](crate::Scene::surface) returns its normals, barycentric coordinates, object
+/// and material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RayHit {
@@ -99,7 +100,7 @@ impl Renderer {
     /// # Errors
     /// [`Error::Ray`] for a ray without direction or with NaN limits, [`Error::ForeignScene`] for a scene on another
     /// [`Gpu`](crate::Gpu), [`Error::DeviceLost`] and [`Error::OutOfMemory`].
-    pub async fn closest_hits_async(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
+    pub async fn closest_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
         let cast = self.cast::<[u32; 2]>(scene, rays, [&CLOSEST_HITS, &CLOSEST_HITS_IN_STEPS]).await?;
         let hit = |&[t, primitive]: &[u32; 2]| match primitive {
             MISS => RayHit { t: f32::INFINITY, primitive },
@@ -109,11 +110,11 @@ impl Renderer {
     }
 
     /// Returns whether each ray hits anything within its limits. For shadows and visibility; faster than
-    /// [`Renderer::closest_hits_async`].
+    /// [`Renderer::closest_hits`].
     ///
     /// # Errors
-    /// As [`Renderer::closest_hits_async`].
-    pub async fn any_hits_async(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<bool>, Error> {
+    /// As [`Renderer::closest_hits`].
+    pub async fn any_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<bool>, Error> {
         let cast = self.cast::<u32>(scene, rays, [&ANY_HITS, &ANY_HITS_IN_STEPS]).await?;
         Ok(Cast { hits: cast.hits.iter().map(|&found| found == 1).collect(), time: cast.time })
     }

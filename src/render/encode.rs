@@ -23,8 +23,8 @@ pub struct Encoded {
     /// One per eye, in the rig's order.
     pub views: Vec<EncodedView>,
     /// A buffer of four bytes, to be mapped after the commands have run: the number of threads (u32) that the adapter
-    /// ended early. If it is not 0, the pictures are incomplete. Render them by [`Renderer::render_views_async`], which
-    /// goes on in steps.
+    /// ended early. If it is not 0, the pictures are incomplete. Use
+    /// [`FrameBuilder::read`](crate::FrameBuilder::read) for these, which goes on in steps.
     pub unfinished: wgpu::Buffer,
     /// Resources that the commands use.
     _targets: Arc<Targets>,
@@ -36,7 +36,7 @@ pub struct Encoded {
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct EncodedView {
-    /// The picture, sRGB-encoded, alpha 1: `Rgba8Unorm`, which may also be viewed as `Rgba8UnormSrgb`.
+    /// The picture, sRGB-encoded, alpha 1, `Rgba8Unorm`. [`EncodedView::linear`] views it as linear light.
     pub color: wgpu::Texture,
     /// Depth along the view direction in world units, `R32Float`, 3.4e38 for a miss. `None` if [`Options::g_buffer`] is
     /// [`GBuffer::None`].
@@ -53,42 +53,22 @@ impl EncodedView {
             depth: depth.then(|| gpu.texture("depth", size, Format::R32Float, usage, &[])),
         }
     }
+
+    /// Returns a view of the picture for sampling, as `Rgba8UnormSrgb`: samples are linear light. That format allows no
+    /// storage binding, so a view of [`EncodedView::color`] that keeps the texture's usages is invalid.
+    pub fn linear(&self) -> wgpu::TextureView {
+        self.color.create_view(&wgpu::TextureViewDescriptor {
+            label: Some("linear colour"),
+            format: Some(wgpu::TextureFormat::Rgba8UnormSrgb),
+            usage: Some(wgpu::TextureUsages::TEXTURE_BINDING),
+            ..Default::default()
+        })
+    }
 }
 
 impl Renderer {
-    /// Encodes a frame into the caller's encoder. Its views stay on the device, and nothing is read back. The call only
-    /// waits for the driver's checks of new buffers and kernels. The commands are fixed: a thread ends early if its
-    /// rays take more rounds than the adapter grants. [`Encoded::unfinished`] counts such threads.
-    ///
-    /// # Errors
-    /// Those of [`Renderer::render_views_async`]; [`Error::Encoding`] for a method with a stage on the host, and for
-    /// options that need reading back; [`Error::Limit`] for a picture larger than the adapter's textures.
-    pub async fn encode_async(
-        &mut self,
-        scene: &UploadedScene,
-        rig: &Rig,
-        options: &Options,
-        encoder: &mut wgpu::CommandEncoder,
-    ) -> Result<Encoded, Error> {
-        self.encode_each(scene, rig, options, Some(encoder)).await.map(|(encoded, _)| encoded)
-    }
-
-    /// Encodes a frame as one command buffer per band of rows, from the top down. This suits frames so heavy that a
-    /// watchdog would end one submission, or that must leave the device to others in between. Submit the buffers in
-    /// order, with nothing else of this renderer between them.
-    ///
-    /// # Errors
-    /// Those of [`Renderer::encode_async`].
-    pub async fn encode_bands_async(
-        &mut self,
-        scene: &UploadedScene,
-        rig: &Rig,
-        options: &Options,
-    ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
-        self.encode_each(scene, rig, options, None).await
-    }
-
-    async fn encode_each(
+    /// Encodes a frame into the given encoder, or else as a command buffer per band of rows.
+    pub(super) async fn encode_each(
         &mut self,
         scene: &UploadedScene,
         rig: &Rig,

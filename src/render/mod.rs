@@ -1,6 +1,7 @@
 //! Renders scenes: the renderer, scenes on a device, frames, samples, rays of the caller, and results.
 
 mod adaptive;
+mod builder;
 pub mod cast;
 mod encode;
 pub(crate) mod frame;
@@ -15,7 +16,8 @@ mod tests;
 mod upload;
 mod views;
 
+pub use builder::FrameBuilder;
 pub use encode::{Encoded, EncodedView};
-pub use renderer::{Renderer, render_stereo_async, render_views_async};
+pub use renderer::Renderer;
 pub use upload::{Update, UploadInfo, UploadedScene};
 pub use views::{RigView, Views};

@@ -1,3 +1,4 @@
+use crate::blocking::Wait;
 use std::{num::NonZeroU32, ops::ControlFlow};
 
 use glam::{DVec3, Vec3};
@@ -24,13 +25,13 @@ use crate::{
 fn the_parts_that_rows_are_dealt_to_change_no_picture() {
     let builtin = crate::scene::builtin::Builtin::Hall;
     let mut renderer = renderer(USUAL);
-    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
     for size in [[130, 71], [77, 8], [65, 200]] {
         let camera = builtin.camera(size[0], size[1]);
         for method in [Method::Naive, Method::ATOMIC, Method::BRACKET] {
             let [expected, dealt @ ..] = [1, 2, 3, 32].map(|runs| {
                 renderer.runs = runs;
-                let pair = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+                let pair = renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
                 StereoPair { statistics: Statistics { times: None, ..pair.statistics }, ..pair }
             });
             assert!(dealt.iter().all(|pair| *pair == expected), "{method} {size:?}");
@@ -42,7 +43,7 @@ const USUAL: u32 = 1 << 18;
 
 fn renderer(band_pixels: u32) -> Renderer {
     let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-    let mut renderer = Renderer::new(Gpu::open(wanted).unwrap());
+    let mut renderer = Renderer::new(Gpu::open(wanted).wait().unwrap());
     renderer.band_pixels = band_pixels;
     renderer
 }
@@ -52,7 +53,7 @@ fn bands_change_nothing_but_the_number_of_dispatches() {
     let builtin = crate::scene::builtin::Builtin::Hall;
     let camera = builtin.camera(130, 271);
     let mut renderer = renderer(USUAL);
-    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
     // Counting traces one ray a lane; the tiles' search should run as it ships.
     let shipped = [Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS];
     let all = Method::ALL.iter().copied().chain(["buffer-edges".parse().unwrap(), "buffer-3".parse().unwrap()]);
@@ -66,7 +67,8 @@ fn bands_change_nothing_but_the_number_of_dispatches() {
                 calls += 1;
                 ControlFlow::Continue(())
             };
-            let mut pair = renderer.render_with(&uploaded, &camera, &options, &mut count).unwrap();
+            let mut pair =
+                renderer.pair(&uploaded, &camera).options(&options).progress(&mut count).read().wait().unwrap();
             pair.statistics.times = None;
             pair.statistics.intermediate_bytes = 0;
             pair.statistics.buffer_depth = 0; // a band's may be smaller
@@ -87,8 +89,8 @@ fn every_traversal_gives_the_same_pair() {
         let camera = builtin.camera(65, 40);
         let pairs = Vec::from_iter(Traversal::ALL.iter().map(|&traversal| {
             let mut renderer = Renderer::with_traversal(renderer(USUAL).gpu, traversal);
-            let uploaded = renderer.upload(&builtin.scene()).unwrap();
-            let mut pair = renderer.render(&uploaded, &camera, &Options::default()).unwrap();
+            let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
+            let mut pair = renderer.pair(&uploaded, &camera).read().wait().unwrap();
             // Which of several occluders is kept depends on the traversal, and so does the number of rays that it
             // saves.
             pair.statistics = Statistics::default();
@@ -109,7 +111,7 @@ fn buffer(depth: BufferDepth) -> Method {
 /// Runs reprojection alone on given source depths. Returns the keys of samples, and the number of lost candidates.
 fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let mut renderer = renderer(64 * 16);
-    let scene = renderer.upload(&Scene::new()).unwrap();
+    let scene = renderer.upload(&Scene::new()).wait().unwrap();
     let run = async {
         // The depths are given, in place of the step that traces the source.
         let views = methods::Views { sources: &eyes.sources, mirrors: false, soft: None, wide: false, drawn: false };
@@ -297,13 +299,13 @@ fn what_was_not_wanted_vouches_for_nothing() {
     let eyes = Eyes::pair(&builtin.camera(130, 83).pose().unwrap());
     let mut scene = builtin.scene();
     let mut used = renderer(USUAL);
-    let before = used.upload(&scene).unwrap();
+    let before = used.upload(&scene).wait().unwrap();
     scene.lights.iter_mut().for_each(|light| light.position.x = -light.position.x);
-    let uploaded = used.upload(&scene).unwrap();
+    let uploaded = used.upload(&scene).wait().unwrap();
     let naive = part_of(&mut used, &uploaded, &eyes, Method::Naive);
     for method in [Method::BRACKET, Method::VERIFIED] {
         let mut fresh = renderer(USUAL);
-        let same = fresh.upload(&scene).unwrap();
+        let same = fresh.upload(&scene).wait().unwrap();
         let expected = part_of(&mut fresh, &same, &eyes, method);
         // Renders a frame of all pixels into the same buffers.
         let all = Wanted { pictures: true, part: Some(Part { rows: (10, 80), masks: None }) };
@@ -332,7 +334,7 @@ fn another_camera_is_a_section_of_wgsl_and_a_file() {
     let builtin = crate::scene::builtin::Builtin::Hall;
     let scene = builtin.scene();
     let mut renderer = renderer(USUAL);
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let [width, height] = [48, 24];
     let pose = builtin.camera(width, height).pose().unwrap();
     let eyes = Eyes { projection: Projection::Around, ..Eyes::pair(&pose) };

@@ -198,6 +198,14 @@ impl UploadedScene {
 }
 
 impl Renderer {
+    /// Builds a scene's BVH with [`BvhBuild::Balanced`], which suits a few pictures, and uploads it.
+    ///
+    /// # Errors
+    /// As [`Renderer::upload_with`].
+    pub async fn upload(&self, scene: &Scene) -> Result<UploadedScene, Error> {
+        self.upload_with(scene, BvhBuild::Balanced).await
+    }
+
     /// Builds a scene's BVH with a given effort and uploads it. If the scene does not fit the adapter's storage
     /// bindings it is stored in textures, and vice versa. A warning is logged, once per renderer, if the f32 step at
     /// the scene's distance from the origin exceeds a ten-thousandth of its longest side.
@@ -205,7 +213,7 @@ impl Renderer {
     /// # Errors
     /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene too large for the adapter,
     /// with the number of primitives that fit, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
-    pub async fn upload_async(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
+    pub async fn upload_with(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
         self.check(scene)?;
         let started = Instant::now();
         let tree = built(scene, build, self.traversal)?;
@@ -218,9 +226,9 @@ impl Renderer {
     /// upload. After an update fails for lack of memory, the scene must be uploaded anew.
     ///
     /// # Errors
-    /// Those of [`Renderer::upload_async`]; [`Error::ForeignScene`] if the scene is on another [`Gpu`];
+    /// Those of [`Renderer::upload`]; [`Error::ForeignScene`] if the scene is on another [`Gpu`];
     /// [`Error::Scene`] if [`Update::Refit`] can't keep the tree.
-    pub async fn update_async(&self, uploaded: &mut UploadedScene, scene: &Scene, how: Update) -> Result<(), Error> {
+    pub async fn update(&self, uploaded: &mut UploadedScene, scene: &Scene, how: Update) -> Result<(), Error> {
         uploaded.belongs_to(&self.gpu)?;
         self.check(scene)?;
         let started = Instant::now();

@@ -14,13 +14,16 @@ use crate::{
     message::{counted, tidy},
 };
 
-/// Indexed triangles that form one object.
+/// Indexed triangles that form one object. It can't be written as `Mesh { .. }`, since fields may be added: begin with
+/// [`Mesh::new`], and set the rest by methods of the fields' names.
 ///
 /// ```
-/// use stereotrace::{Mesh, Scene, glam::Vec3};
+/// use stereotrace::{Material, Mesh, Scene, glam::Vec3};
 ///
+/// let mut scene = Scene::new();
+/// let red = scene.add_material(Material::new(Vec3::new(0.8, 0.1, 0.1)));
 /// let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
-/// Scene::new().add_mesh(&Mesh::new(corners, vec![[0, 1, 2]]).name("sail"))?;
+/// scene.add_mesh(&Mesh::new(corners, vec![[0, 1, 2]]).name("sail").materials(vec![red]))?;
 /// # Ok::<(), stereotrace::Error>(())
 /// ```
 #[derive(Clone, Debug, Default)]

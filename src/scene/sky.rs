@@ -113,6 +113,7 @@ fn direction(width: u32, height: u32, column: u32, row: u32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blocking::Wait;
     use crate::{
         Fetch, Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, Traversal, UploadedScene, testing::cpu,
     };
@@ -126,13 +127,13 @@ mod tests {
     #[test]
     fn every_direction_has_its_colour_poles_and_seam_included() {
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let gpu = Gpu::open(wanted).unwrap();
+        let gpu = Gpu::open(wanted).wait().unwrap();
         // The larger one is uploaded in several pieces.
         for (width, fetch) in [(256, Fetch::Texture), (2048, Fetch::Texture), (2048, Fetch::Buffer)] {
             let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch));
             let mut scene = Scene::new();
             scene.sky = Sky::Map(compass(width));
-            let uploaded = renderer.upload(&scene).unwrap();
+            let uploaded = renderer.upload(&scene).wait().unwrap();
             for target in [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::Y, -Vec3::Y, Vec3::new(0.01, -0.3, 1.0)] {
                 assert_colours_are_directions(&mut renderer, &uploaded, target);
             }
@@ -142,7 +143,8 @@ mod tests {
     fn assert_colours_are_directions(renderer: &mut Renderer, uploaded: &UploadedScene, target: Vec3) {
         let up = if target.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
         let camera = StereoCamera::look_at(Vec3::ZERO, target).up(up).size(65, 33).vertical_fov_degrees(60.0);
-        let pair = renderer.render(uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
+        let pair =
+            renderer.pair(uploaded, &camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap();
         let frame = cpu::Frame::new(&pair.pose);
         for (index, color) in pair.left.linear.iter().enumerate() {
             let d = frame.direction(cpu::Eye::Left, index % 65, index / 65).normalize();

@@ -48,6 +48,7 @@ pub(crate) fn hits(view: usize) -> Vec<Step> {
 
 #[cfg(test)]
 mod tests {
+    use crate::blocking::Wait;
     use glam::Vec3;
 
     use crate::{Mesh, Method, Options, Renderer, Scene, StereoCamera, Visibility, random::Random};
@@ -70,12 +71,12 @@ mod tests {
             scene.add_mesh(&Mesh::new(base.iter().flat_map(turned).collect(), triangles)).unwrap();
         }
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let mut renderer = Renderer::new(crate::Gpu::open(wanted).unwrap());
-        let uploaded = renderer.upload(&scene).unwrap();
+        let mut renderer = Renderer::new(crate::Gpu::open(wanted).wait().unwrap());
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let place = |id: u32| uploaded.ids.iter().position(|other| *other == id).unwrap();
         let camera = StereoCamera::look_at(Vec3::new(0.0, 0.4, 3.0), Vec3::ZERO).size(64, 49);
         let options = Options::new(Method::Naive).visibility(Visibility::TBuffer);
-        let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         let seen = pair.left.primitive.iter().filter(|&&id| id != crate::MISS);
         let behind = seen.filter(|&&id| {
             assert!(id < 60, "{id} is seen");

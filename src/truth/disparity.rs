@@ -104,7 +104,7 @@ impl StereoPair {
     ///
     /// Silhouettes and creases lie between two samples, so pixels there may be wrong. Compared with rays from the right
     /// eye to each point, 0.3 to 2.9% of the pixels of the built-in scenes differ (docs/DESIGN.md, section 7).
-    /// [`Renderer::occlusions_async`](crate::Renderer::occlusions_async) casts these rays.
+    /// [`Renderer::occlusions`](crate::Renderer::occlusions) casts these rays.
     pub fn occlusion(&self) -> Vec<Occlusion> {
         if self.pose.convergence == Convergence::ToeIn {
             return Vec::new();

@@ -1,14 +1,13 @@
 //! Ground truth for stereo vision, of both views of a pair: one object that all its files are written from.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::{
-    Error, MISS, MaterialId, Method, Occlusion, Pose, Renderer, Scene, StereoPair, UploadedScene, View,
-    scene::{Primitive, ToSphere, Triangle},
-    truth::occlusion::Pixels,
+    Error, MISS, Method, Occlusion, Pose, Renderer, Scene, StereoPair, UploadedScene, View,
+    truth::{occlusion::Pixels, surface::at},
 };
 
-/// Ground truth of both views of a pair, made by [`Renderer::ground_truth_async`].
+/// Ground truth of both views of a pair, made by [`Renderer::ground_truth`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GroundTruth {
@@ -35,7 +34,7 @@ pub struct EyeTruth {
     pub distance: Vec<f32>,
     /// Disparity `x_l - x_r` in pixels ([`StereoPair::disparity`]). Sky has the disparity of infinite depth.
     pub disparity: Vec<f32>,
-    /// Whether the other eye sees the same point ([`Renderer::occlusions_async`]).
+    /// Whether the other eye sees the same point ([`Renderer::occlusions`]).
     pub occlusion: Vec<Occlusion>,
     /// Geometric normal facing the eye: unit length, world frame; zero for sky.
     pub geometric_normal: Vec<[f32; 3]>,
@@ -46,7 +45,7 @@ pub struct EyeTruth {
     pub primitive: Vec<u32>,
     /// Id of the primitive's object ([`Scene::object_of`]), or [`MISS`].
     pub object: Vec<u32>,
-    /// Id of the primitive's material ([`MaterialId`]), or [`MISS`].
+    /// Id of the primitive's material ([`MaterialId`](crate::MaterialId)), or [`MISS`].
     pub material: Vec<u32>,
 }
 
@@ -93,15 +92,15 @@ impl Renderer {
     /// # Errors
     /// [`Error::Options`] for a pair without ids (the default [`GBuffer::Ids`](crate::GBuffer) has them) or by another
     /// method; [`Error::Scene`] if `scene` is not the uploaded one, or lacks a primitive that the pair shows; and the
-    /// errors of [`Renderer::occlusions_async`].
-    pub async fn ground_truth_async(
+    /// errors of [`Renderer::occlusions`].
+    pub async fn ground_truth(
         &self,
         uploaded: &UploadedScene,
         scene: &Scene,
         pair: &StereoPair,
     ) -> Result<GroundTruth, Error> {
         check(uploaded, scene, pair)?;
-        let occlusions = self.occlusions_async(uploaded, pair).await?;
+        let occlusions = self.occlusions(uploaded, pair).await?;
         let (left, right) = (pair.disparity(), pair.right_disparity());
         Ok(GroundTruth {
             left: eye_truth(scene, &pair.left, &Pixels::of(&pair.pose, -0.5), left, occlusions.left)?,
@@ -156,95 +155,20 @@ fn eye_truth(
     for (index, (&z, &id)) in view.depth.iter().zip(&view.primitive).enumerate() {
         let direction = pixels.direction(index % width, index / width);
         truth.distance.push((f64::from(z) * direction.length()) as f32);
-        let surface = match id {
-            MISS => Surface::NONE,
+        let (geometric, shading, material) = match id {
+            MISS => (Vec3::ZERO, Vec3::ZERO, MISS),
             id if (id as usize) < scene.primitive_count() => {
-                surface(&scene.primitive(id), eye, direction, f64::from(z))
+                let surface = at(scene, id, (eye, direction), f64::from(z));
+                (surface.geometric_normal, surface.shading_normal, surface.material.0)
             }
             id => {
                 let reason = format!("the scene has {} primitives", scene.primitive_count());
                 return Err(Error::Scene { element: format!("primitive {id} of a picture"), reason });
             }
         };
-        truth.geometric_normal.push(surface.geometric.as_vec3().to_array());
-        truth.shading_normal.push(surface.shading.as_vec3().to_array());
-        truth.material.push(surface.material);
+        truth.geometric_normal.push(geometric.to_array());
+        truth.shading_normal.push(shading.to_array());
+        truth.material.push(material);
     }
     Ok(truth)
-}
-
-/// Surface at a ray's hit: the f64 counterpart of `surface_of` in shaders/shared.
-struct Surface {
-    geometric: DVec3,
-    shading: DVec3,
-    material: u32,
-}
-
-impl Surface {
-    const NONE: Self = Self { geometric: DVec3::ZERO, shading: DVec3::ZERO, material: MISS };
-
-    /// Creates a surface lit by its geometric normal, which may have any length but 0.
-    fn flat(normal: DVec3, direction: DVec3, material: MaterialId) -> Self {
-        let normal = towards_viewer(normal, direction);
-        Self { geometric: normal, shading: normal, material: material.0 }
-    }
-}
-
-/// Returns the surface where a ray from the eye, relative to the scene's origin, hits a primitive near `t`.
-fn surface(primitive: &Primitive<'_>, eye: DVec3, direction: DVec3, t: f64) -> Surface {
-    match *primitive {
-        Primitive::Triangle(triangle) => triangle_surface(triangle, eye, direction),
-        Primitive::Plane(plane) => Surface::flat(plane.unit_normal().as_dvec3(), direction, plane.material),
-        Primitive::Sphere(sphere) => {
-            let outward = outward(&ToSphere::identity(sphere.radius), eye - sphere.center.as_dvec3(), direction, t);
-            Surface::flat(outward, direction, sphere.material)
-        }
-        Primitive::Ellipsoid(ellipsoid) => {
-            let outward = outward(&ellipsoid.to_sphere(), eye - ellipsoid.center.as_dvec3(), direction, t);
-            Surface::flat(outward, direction, ellipsoid.material)
-        }
-    }
-}
-
-fn towards_viewer(normal: DVec3, direction: DVec3) -> DVec3 {
-    let unit = normal.normalize_or_zero();
-    if unit.dot(direction) > 0.0 { -unit } else { unit }
-}
-
-fn triangle_surface(triangle: &Triangle, eye: DVec3, direction: DVec3) -> Surface {
-    let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - eye);
-    let flat = Surface::flat((b - a).cross(c - a), direction, triangle.material);
-    if !triangle.is_smooth() {
-        return flat;
-    }
-    // A corner's barycentric weight is the volume that the ray spans with the opposite edge. Rounding may leave the
-    // point slightly outside.
-    let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|edge| edge.dot(direction));
-    let sign = volumes.iter().sum::<f64>().signum();
-    let shares = volumes.map(|volume| (sign * volume).max(0.0));
-    let normals = triangle.normals.map(|normal| normal.as_dvec3().normalize_or_zero());
-    let sum: f64 = shares.iter().sum();
-    let blend = normals.iter().zip(shares).map(|(normal, share)| *normal * (share / sum)).sum::<DVec3>();
-    // As in the kernels, the geometric normal is used if the normals cancel each other or the blend is NaN, as with
-    // slivers.
-    let is_usable = blend.length_squared() > 1e-6;
-    if !is_usable {
-        return flat;
-    }
-    let unit = blend.normalize();
-    Surface { shading: if unit.dot(flat.geometric) < 0.0 { -unit } else { unit }, ..flat }
-}
-
-/// Returns the normal, of any length, where a ray hits an ellipsoid near `t`. The hit is computed again, because the
-/// rounding of a depth may be large compared with the radius of a small ellipsoid.
-fn outward(map: &ToSphere, from_center: DVec3, direction: DVec3, t: f64) -> DVec3 {
-    let rows = map.rows.map(|row| row.as_dvec3());
-    let mapped = |vector: DVec3| DVec3::from_array(rows.map(|row| row.dot(vector)));
-    let (origin, along, radius) = (mapped(from_center), mapped(direction), f64::from(map.radius));
-    let middle = -origin.dot(along) / along.length_squared();
-    let nearest = origin + along * middle;
-    // A ray that misses by rounding is taken to hit at its closest approach.
-    let half = ((radius * radius - nearest.length_squared()).max(0.0) / along.length_squared()).sqrt();
-    let met = nearest + along * if t < middle { -half } else { half };
-    rows[0] * met.x + rows[1] * met.y + rows[2] * met.z
 }

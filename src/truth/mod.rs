@@ -4,3 +4,4 @@ pub(crate) mod disparity;
 pub(crate) mod ground_truth;
 pub mod metrics;
 pub(crate) mod occlusion;
+pub(crate) mod surface;

@@ -30,8 +30,8 @@ impl Renderer {
     ///
     /// # Errors
     /// [`Error::Options`] for a pair without depths, [`Error::Rig`] for toed-in eyes, and the errors of
-    /// [`Renderer::closest_hits_async`].
-    pub async fn occlusions_async(&self, scene: &UploadedScene, pair: &StereoPair) -> Result<Occlusions, Error> {
+    /// [`Renderer::closest_hits`].
+    pub async fn occlusions(&self, scene: &UploadedScene, pair: &StereoPair) -> Result<Occlusions, Error> {
         if pair.pose.convergence == Convergence::ToeIn {
             let reason = "its eyes are toed in, so rows are not epipolar lines, which occlusion needs";
             return Err(Error::Rig { reason: reason.into() });
@@ -56,7 +56,7 @@ impl Renderer {
         let width = view.width as usize;
         let rays = view.depth.iter().enumerate().map(|(index, &z)| pixels.ray(index % width, index / width, z));
         let rays: Vec<Ray> = rays.collect();
-        let hits = self.closest_hits_async(scene, &rays).await?.hits;
+        let hits = self.closest_hits(scene, &rays).await?.hits;
         let disparity = pose.disparities_of_eye(2.0 * side);
         let found = hits.iter().enumerate().map(|(index, hit)| {
             let (column, z) = (index % width, view.depth[index]);

@@ -39,6 +39,13 @@ pub struct Rig {
     traced: Option<Vec<usize>>,
 }
 
+/// The pair of a camera ([`Rig::pair`]).
+impl From<StereoCamera> for Rig {
+    fn from(camera: StereoCamera) -> Self {
+        Self::pair(camera)
+    }
+}
+
 impl Rig {
     /// Creates a rig of one eye at the camera's midpoint.
     pub fn mono(camera: StereoCamera) -> Self {

@@ -11,6 +11,7 @@ use std::{error::Error, time::Instant};
 
 use stereotrace::{
     Builtin, BvhBuild, Gpu, MaterialId, Mesh, Method, Options, Renderer, Scene, StereoCamera, Update, UploadedScene,
+    blocking::Wait,
     glam::{Affine3A, Vec3},
 };
 
@@ -33,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         [] => ["near", "dragon"].map(str::to_owned).to_vec(),
         named => named.to_vec(),
     };
-    let gpu = Gpu::new()?;
+    let gpu = Gpu::new().wait()?;
     let provenance = Provenance::of(&gpu);
     println!("{provenance}\n");
     println!(
@@ -93,25 +94,25 @@ fn measure(
         _ => scene.transform_object(object, &Affine3A::from_translation(moved * SIZE * Vec3::X))?,
     }
     let build = Update::Rebuild(BvhBuild::Balanced);
-    let (mut refitted, mut rebuilt) = (renderer.upload(still)?, renderer.upload(still)?);
+    let (mut refitted, mut rebuilt) = (renderer.upload(still).wait()?, renderer.upload(still).wait()?);
     let mut times = [const { Vec::new() }; 3];
     for round in 0..=rounds {
         for turn in order(round, times.len()) {
             let (time, ()) = match turn {
-                0 => timed(|| renderer.update(&mut refitted, &scene, Update::Refit))?,
-                1 => timed(|| renderer.update(&mut rebuilt, &scene, build))?,
-                _ => timed(|| renderer.upload(&scene).map(drop))?,
+                0 => timed(|| renderer.update(&mut refitted, &scene, Update::Refit).wait())?,
+                1 => timed(|| renderer.update(&mut rebuilt, &scene, build).wait())?,
+                _ => timed(|| renderer.upload(&scene).wait().map(drop))?,
             };
             times[turn].extend((round > 0).then_some(time));
         }
         // Back to where it stood, so that the next round has the same to do.
-        renderer.update(&mut refitted, still, Update::Refit)?;
-        renderer.update(&mut rebuilt, still, build)?;
+        renderer.update(&mut refitted, still, Update::Refit).wait()?;
+        renderer.update(&mut rebuilt, still, build).wait()?;
     }
-    renderer.update(&mut refitted, &scene, Update::Refit)?;
-    renderer.update(&mut rebuilt, &scene, build)?;
+    renderer.update(&mut refitted, &scene, Update::Refit).wait()?;
+    renderer.update(&mut rebuilt, &scene, build).wait()?;
     let mut cost = |uploaded: &UploadedScene| {
-        let pair = renderer.render(uploaded, camera, &Options::new(Method::Naive).count(true))?;
+        let pair = renderer.pair(uploaded, camera).options(&Options::new(Method::Naive).count(true)).read().wait()?;
         let both = [pair.statistics.left, pair.statistics.right];
         Ok::<_, stereotrace::Error>([
             both.map(|work| work.cost()).iter().sum::<u64>() as f64,

@@ -12,7 +12,7 @@ mod common;
 use std::error::Error;
 
 use clap::Parser;
-use stereotrace::{Filter, GBuffer, Gpu, Method, Options, Renderer, Statistics, StereoPair};
+use stereotrace::{Filter, GBuffer, Gpu, Method, Options, Renderer, Statistics, StereoPair, blocking::Wait};
 
 use crate::common::{
     options::size,
@@ -87,7 +87,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let usual = Vec::from_iter(usual.into_iter().map(String::from));
     let names = if arguments.scenes.is_empty() { &usual } else { &arguments.scenes };
     let rounds = arguments.rounds.unwrap_or(if quick { 1 } else { 7 });
-    let gpu = Gpu::new()?;
+    let gpu = Gpu::new().wait()?;
     println!("{}\n", Provenance::of(&gpu));
     let jitter = if arguments.grid { ", without jitter" } else { "" };
     println!(
@@ -112,7 +112,7 @@ fn measure(
     rounds: usize,
 ) -> Result<(), Box<dyn Error>> {
     let BenchScene { name, scene, camera } = bench;
-    let uploaded = renderer.upload(scene)?;
+    let uploaded = renderer.upload(scene).wait()?;
     let options = |method, samples| {
         let options = Options::new(method).samples(samples).filter(arguments.filter).g_buffer(GBuffer::None);
         options.jitter(!arguments.grid)
@@ -123,14 +123,14 @@ fn measure(
     for round in 0..if rounds > 0 { rounds + 1 } else { 0 } {
         for index in order(round, turns.len()) {
             let (method, samples) = turns[index];
-            let statistics = renderer.trace(&uploaded, camera, &options(method, samples))?;
+            let statistics = renderer.pair(&uploaded, camera).options(&options(method, samples)).trace().wait()?;
             if round > 0 {
                 taken[index].add(&statistics);
             }
         }
     }
     let mut render = |method, samples, count| -> Result<StereoPair, stereotrace::Error> {
-        renderer.render(&uploaded, camera, &options(method, samples).linear(true).count(count))
+        renderer.pair(&uploaded, camera).options(&options(method, samples).linear(true).count(count)).read().wait()
     };
     let reference = render(Method::Naive, REFERENCE, false)?;
     println!("{}\n", scenes::title(name));

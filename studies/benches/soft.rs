@@ -15,7 +15,7 @@ use std::error::Error;
 
 use stereotrace::{
     AmbientOcclusion, Gpu, Light, MAX_SOFT_RAYS, Method, Options, Penumbra, Renderer, Scene, Sky, SkyMap, StereoPair,
-    glam::Vec3, metrics::compare,
+    blocking::Wait, glam::Vec3, metrics::compare,
 };
 
 use crate::common::{
@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         false => (600, if has("--counts") { 0 } else { 5 }, if has("--times") { 0 } else { 32 }),
     };
     let names = scenes_named(&["hall", "sponza_4x"]);
-    let gpu = Gpu::new()?;
+    let gpu = Gpu::new().wait()?;
     let provenance = Provenance::of(&gpu);
     println!("{provenance}\n");
     println!(
@@ -134,12 +134,12 @@ fn measure(
     let BenchScene { name, scene, camera } = bench;
     let mut scene = scene.clone();
     let base = soften(&mut scene, softness)?;
-    let uploaded = renderer.upload(&scene)?;
+    let uploaded = renderer.upload(&scene).wait()?;
     let methods = methods(&base);
     let mut times = vec![if rounds > 0 { Vec::new() } else { vec![f64::NAN] }; methods.len()];
     for round in (0..=rounds).filter(|_| rounds > 0) {
         for index in order(round, methods.len()) {
-            let statistics = renderer.trace(&uploaded, camera, &methods[index].1)?;
+            let statistics = renderer.pair(&uploaded, camera).options(&methods[index].1).trace().wait()?;
             let total = statistics.times.map_or(f64::NAN, |times| times.total().as_secs_f64());
             let left = statistics.left.rays.primary;
             assert!(left > 0 && !statistics.in_steps, "{name}: {light}");
@@ -165,7 +165,7 @@ fn measure(
     let camera = &camera.size(width / 2, height / 2).interaxial_pixels(e_px);
     let limit = converged(renderer, &uploaded, camera, &base, seeds)?;
     let render = |renderer: &mut Renderer, options: &Options| {
-        renderer.render(&uploaded, camera, &options.clone().linear(true).count(true))
+        renderer.pair(&uploaded, camera).options(&options.clone().linear(true).count(true)).read().wait()
     };
     let naive = render(renderer, &methods[0].1)?;
     for (index, (method, options)) in methods.iter().enumerate() {
@@ -204,7 +204,7 @@ fn converged(
     base.occlusion = base.occlusion.map(|occlusion| AmbientOcclusion::new(MAX_SOFT_RAYS, occlusion.radius));
     let mut sum = Vec::new();
     for seed in 1..=seeds {
-        let pair = renderer.render(scene, camera, &base.clone().seed(seed))?;
+        let pair = renderer.pair(scene, camera).options(&base.clone().seed(seed)).read().wait()?;
         sum.resize(pair.right.linear.len(), [0.0; 3]);
         for (sum, color) in sum.iter_mut().zip(&pair.right.linear) {
             (0..3).for_each(|k| sum[k] += f64::from(color[k]) / f64::from(seeds));

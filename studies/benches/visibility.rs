@@ -13,7 +13,7 @@ mod common;
 use std::{collections::BTreeMap, error::Error};
 
 use clap::Parser;
-use stereotrace::{GBuffer, Gpu, Method, Options, Renderer, Rig, UploadedScene, Views, Visibility};
+use stereotrace::{GBuffer, Gpu, Method, Options, Renderer, Rig, UploadedScene, Views, Visibility, blocking::Wait};
 
 use crate::common::{
     options::size,
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         [] => [150, 300, 600, 1200].map(|side| [side; 2]).to_vec(),
         sizes => sizes.to_vec(),
     };
-    let gpu = Gpu::new()?;
+    let gpu = Gpu::new().wait()?;
     println!("{}\n", Provenance::of(&gpu));
     println!("{} lights, {} samples a pixel, {rounds} rounds", arguments.lights, arguments.samples);
     let mut renderer = Renderer::new(gpu);
@@ -78,7 +78,7 @@ fn measure(
     samples: u32,
     rounds: usize,
 ) -> Result<(), Box<dyn Error>> {
-    let uploaded = renderer.upload(&bench.scene)?;
+    let uploaded = renderer.upload(&bench.scene).wait()?;
     println!("\n{}, {} primitives\n", scenes::title(&bench.name), bench.scene.primitive_count());
     println!(
         "| size | by | ms | min..max | of rays | nodes a pixel | tests a pixel | of rays, by counters | rays | passes, \
@@ -124,7 +124,7 @@ fn render(
     (way, count): (Visibility, bool),
 ) -> Result<Views, stereotrace::Error> {
     let options = Options::new(Method::Naive).visibility(way).samples(samples).count(count).g_buffer(GBuffer::None);
-    renderer.render_views(scene, rig, &options)
+    renderer.views(scene, rig).options(&options).read().wait()
 }
 
 /// Times of one way, a round each.

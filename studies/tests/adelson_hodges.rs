@@ -11,7 +11,7 @@ mod panes;
 #[path = "../benches/adelson-hodges/quanta.rs"]
 mod quanta;
 
-use stereotrace::{Gpu, Method, PixelSource, Renderer};
+use stereotrace::{Gpu, Method, PixelSource, Renderer, blocking::Wait};
 
 use crate::{
     closed::{Levels, Surfaces},
@@ -80,16 +80,16 @@ fn panes_send_as_many_rays_as_the_closed_forms_say_and_the_sweep_saves_that_shar
     const SIDE: u32 = 32;
     let pixels = u64::from(SIDE * SIDE);
     let adapter = std::env::var("STEREOTRACE_ADAPTER").unwrap_or_else(|_| "software".into());
-    let mut renderer = Renderer::new(Gpu::open(adapter).unwrap());
+    let mut renderer = Renderer::new(Gpu::open(adapter).wait().unwrap());
     for surfaces in Surfaces::ALL {
         let (scene, camera) = (panes::scene(surfaces, 2), panes::camera(SIDE, 10.0));
-        let uploaded = renderer.upload(&scene).unwrap();
-        let naive = renderer.render(&uploaded, &camera, &options(Method::Naive)).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let naive = renderer.pair(&uploaded, &camera).options(&options(Method::Naive)).read().wait().unwrap();
         let full = naive.statistics.right.rays.total();
         let levels = Levels { hit: LEVELS, most: LEVELS };
         assert_eq!(full, pixels * surfaces.rays(levels, 2), "{surfaces:?}");
 
-        let pair = renderer.render(&uploaded, &camera, &options(Method::ADELSON_HODGES)).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&options(Method::ADELSON_HODGES)).read().wait().unwrap();
         let missed = pair.source.iter().filter(|source| **source == PixelSource::Missed).count() as u64;
         // The sky's left edge is e, that of panes at twice the screen's distance half of it.
         let edge = if surfaces == Surfaces::Misses { 10 } else { 5 };

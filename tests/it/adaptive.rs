@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use common::{random_stage, renderer, sampling::camera};
 use stereotrace::{
     Adaptive, AmbientOcclusion, Builtin, Error, Filter, GBuffer, Light, Method, Options, Renderer, Rig, Rows, Scene,
-    StereoCamera, UploadedScene, View, glam::Vec3,
+    StereoCamera, UploadedScene, View, blocking::Wait, glam::Vec3,
 };
 
 /// A camera that has a pixel for each sample in the corners of this one's pixels, `side` of them from corner to corner.
@@ -41,15 +41,16 @@ fn divided(all: &View, [x, y]: [u32; 2], side: u32, tolerance: u8) -> [f64; 3] {
 fn a_view_is_what_the_recursion_makes_of_all_samples() {
     let mut renderer = renderer();
     for (levels, tolerance, scene) in [(2, 0, random_stage(4)), (4, 20, random_stage(4)), (3, 8, random_stage(5))] {
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         // Several bands of rows, and in some levels several of them a band.
         let camera = camera(90, 71);
         let side = 1 << (levels - 1);
         let options = Options::new(Method::Naive).linear(true).g_buffer(GBuffer::None);
-        let all = renderer.render(&uploaded, &lattice(camera, side), &options).unwrap();
+        let all = renderer.pair(&uploaded, &lattice(camera, side)).options(&options).read().wait().unwrap();
         let adaptive = options.clone().adaptive(Adaptive::new(levels, tolerance.into()));
         for (offset, all) in [(-0.5, &all.left), (0.5, &all.right)] {
-            let found = renderer.render_views(&uploaded, &Rig::at(camera, vec![offset]), &adaptive).unwrap();
+            let found =
+                renderer.views(&uploaded, &Rig::at(camera, vec![offset])).options(&adaptive).read().wait().unwrap();
             let found = &found.views[0];
             let mut off = 0;
             for (place, color) in found.view.linear.iter().enumerate() {
@@ -69,7 +70,7 @@ fn a_view_is_what_the_recursion_makes_of_all_samples() {
 }
 
 fn views(renderer: &mut Renderer, uploaded: &UploadedScene, rig: &Rig, options: Options) -> Vec<stereotrace::RigView> {
-    renderer.render_views(uploaded, rig, &options).unwrap().views
+    renderer.views(uploaded, rig).options(&options).read().wait().unwrap().views
 }
 
 #[test]
@@ -83,7 +84,7 @@ fn bracket_rays_are_naive_to_the_last_bit() {
         (soft, Builtin::Random125Both.camera(90, 70), 3),
     ];
     for (scene, camera, levels) in rows {
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let rig = Rig::at(camera, vec![-0.5, 0.5, 1.5, -1.5]).traced(vec![1]);
         let options = |method| {
             let options = Options::new(method).linear(true).adaptive(Adaptive::new(levels, 12.0)).shadow_rays(4);
@@ -123,7 +124,7 @@ fn reference(renderer: &mut Renderer, uploaded: &UploadedScene, camera: StereoCa
     let [width, height] = pose.size;
     let finer = camera.interaxial(pose.interaxial).size(8 * width, 8 * height);
     let options = Options::new(Method::Naive).samples(64).linear(true).g_buffer(GBuffer::None);
-    let pair = renderer.render(uploaded, &finer, &options).unwrap();
+    let pair = renderer.pair(uploaded, &finer).options(&options).read().wait().unwrap();
     [pair.left, pair.right].map(|view| {
         let mean = |place: u32| -> [u8; 4] {
             let [x, y] = [place % width, place / width];
@@ -144,12 +145,12 @@ fn reference(renderer: &mut Renderer, uploaded: &UploadedScene, camera: StereoCa
 fn the_more_levels_the_nearer_to_64x64_samples_in_both_eyes() {
     let mut renderer = renderer();
     let (scene, camera) = (Builtin::Random20.scene(), Builtin::Random20.camera(32, 32));
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let truth = reference(&mut renderer, &uploaded, camera);
     let mut before = [f64::INFINITY; 2];
     for levels in 2..=5 {
         let options = Options::new(Method::BRACKET).adaptive(Adaptive::new(levels, 4.0)).g_buffer(GBuffer::None);
-        let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         let errors = [error(&pair.left, &truth[0]), error(&pair.right, &truth[1])];
         let rays = [pair.statistics.left.rays, pair.statistics.right.rays];
         println!("{levels} levels: off by {errors:?}, {rays:?}");
@@ -159,18 +160,18 @@ fn the_more_levels_the_nearer_to_64x64_samples_in_both_eyes() {
     }
     // As near as all samples bring it, for a part of them.
     let all = Options::new(Method::BRACKET).samples(64).g_buffer(GBuffer::None);
-    let all = renderer.render(&uploaded, &camera, &all).unwrap();
+    let all = renderer.pair(&uploaded, &camera).options(&all).read().wait().unwrap();
     println!("64 samples: off by {:?}", [error(&all.left, &truth[0]), error(&all.right, &truth[1])]);
 }
 
 #[test]
 fn rows_are_those_of_the_whole_and_counts_are_of_all_samples() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(6)).unwrap();
+    let uploaded = renderer.upload(&random_stage(6)).wait().unwrap();
     let rig = Rig::pair(camera(301, 77));
     for g_buffer in [GBuffer::Ids, GBuffer::None] {
         let options = Options::new(Method::Auto).adaptive(Adaptive::new(3, 10.0)).cost_map(true).g_buffer(g_buffer);
-        let whole = renderer.render_views(&uploaded, &rig, &options).unwrap();
+        let whole = renderer.views(&uploaded, &rig).options(&options).read().wait().unwrap();
         let (mut next, mut rgba8, mut cost, mut shares) = (0, Vec::<[u8; 4]>::new(), Vec::<u32>::new(), Vec::new());
         let mut progress = |progress: stereotrace::Progress| {
             shares.push(progress.done);
@@ -184,7 +185,7 @@ fn rows_are_those_of_the_whole_and_counts_are_of_all_samples() {
             cost.extend(&rows.views[1].view.cost);
             Ok(())
         };
-        let done = renderer.render_rows_async(&uploaded, &rig, &options, &mut progress, &mut on_rows);
+        let done = renderer.views(&uploaded, &rig).options(&options).progress(&mut progress).rows(&mut on_rows);
         let rest = pollster::block_on(done).unwrap();
         assert!(shares.is_sorted() && shares.last() == Some(&1.0), "{shares:?}");
         let right = &whole.views[1];
@@ -196,9 +197,14 @@ fn rows_are_those_of_the_whole_and_counts_are_of_all_samples() {
         assert!(right.view.linear.is_empty() && right.source.len() == 301 * 77);
         // What comes after is as it would have been.
         let usual = Options::new(Method::BRACKET);
-        let one = renderer.render(&uploaded, &camera(301, 77), &usual).unwrap();
+        let one = renderer.pair(&uploaded, &camera(301, 77)).options(&usual).read().wait().unwrap();
         assert!(g_buffer == GBuffer::None || one.right.depth == right.view.depth);
-        let stopped = renderer.render_with(&uploaded, &camera(301, 77), &options, &mut |_| ControlFlow::Break(()));
+        let stopped = renderer
+            .pair(&uploaded, &camera(301, 77))
+            .options(&options)
+            .progress(&mut |_| ControlFlow::Break(()))
+            .read()
+            .wait();
         assert!(matches!(stopped, Err(Error::Cancelled)));
     }
 }
@@ -206,9 +212,9 @@ fn rows_are_those_of_the_whole_and_counts_are_of_all_samples() {
 #[test]
 fn what_it_does_not_go_with_is_refused_by_name() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let mut refused = |options: Options| {
-        let error = renderer.render(&uploaded, &camera(16, 16), &options).unwrap_err();
+        let error = renderer.pair(&uploaded, &camera(16, 16)).options(&options).read().wait().unwrap_err();
         assert!(matches!(error, Error::Options { .. }), "{error:?}");
         error.to_string()
     };
@@ -229,9 +235,10 @@ fn what_it_does_not_go_with_is_refused_by_name() {
         assert!(message.contains("adaptive") && message.contains(says), "{message}");
     }
     let mut encoder = renderer.gpu().clone().device().create_command_encoder(&Default::default());
-    let encoded = renderer.encode(&uploaded, &Rig::pair(camera(16, 16)), &with(3, 4.0), &mut encoder);
+    let encoded =
+        renderer.views(&uploaded, &Rig::pair(camera(16, 16))).options(&with(3, 4.0)).encode(&mut encoder).wait();
     assert!(encoded.unwrap_err().to_string().contains("several samples per pixel can't be encoded in advance"));
     let far = camera(400, 300).screen_width(0.01);
-    let message = renderer.render(&uploaded, &far, &with(4, 4.0)).unwrap_err().to_string();
+    let message = renderer.pair(&uploaded, &far).options(&with(4, 4.0)).read().wait().unwrap_err().to_string();
     assert!(message.contains("64 per pixel; for 400x300 pixels they are"), "{message}");
 }

@@ -1,17 +1,20 @@
-//! The async forms: they give what the blocking ones give, on whatever thread they are polled.
+//! Async functions: their results on whatever thread they are polled, and futures that are dropped.
 
 use crate::common;
 
 use std::{
+    future::{Future, poll_fn},
     ops::ControlFlow,
+    pin::pin,
     sync::atomic::{AtomicU32, Ordering},
+    task::Poll,
     thread,
 };
 
-use common::{random_stage, renderer};
+use common::{is_exact, random_stage, renderer};
 use stereotrace::{
-    BvhBuild, Error, Gpu, Method, Options, Ray, Renderer, StereoCamera, StereoPair, Update, glam::Vec3, render_stereo,
-    render_stereo_async,
+    Builtin, BvhBuild, Error, Gpu, Method, Options, Ray, Renderer, StereoCamera, StereoPair, Update, blocking::Wait,
+    glam::Vec3, render_stereo,
 };
 
 fn camera() -> StereoCamera {
@@ -33,34 +36,67 @@ fn async_forms_give_what_the_blocking_ones_give_on_another_thread() {
     let calls = AtomicU32::new(0);
     // Made here and polled there: a future that can't go there does not compile.
     let there = async {
-        let mut renderer = Renderer::new(Gpu::open_async(wanted).await?);
-        let mut uploaded = renderer.upload_async(&scene, BvhBuild::Balanced).await?;
-        renderer.update_async(&mut uploaded, &scene, Update::Rebuild(BvhBuild::Balanced)).await?;
+        let mut renderer = Renderer::new(Gpu::open(wanted).await?);
+        let mut uploaded = renderer.upload(&scene).await?;
+        renderer.update(&mut uploaded, &scene, Update::Rebuild(BvhBuild::Balanced)).await?;
         let mut count = |_| {
             calls.fetch_add(1, Ordering::Relaxed);
             ControlFlow::Continue(())
         };
         let mut pairs = Vec::new();
         for options in &options {
-            pairs.push(timeless(renderer.render_async(&uploaded, &camera, options, &mut count).await?));
+            pairs.push(timeless(renderer.pair(&uploaded, &camera).options(options).progress(&mut count).read().await?));
         }
-        let traced = renderer.trace_async(&uploaded, &camera, &options[0]).await?;
-        let closest = renderer.closest_hits_async(&uploaded, &rays).await?.hits;
-        let any = renderer.any_hits_async(&uploaded, &rays).await?.hits;
-        let in_one_call = timeless(render_stereo_async(&scene, &camera).await?);
+        let traced = renderer.pair(&uploaded, &camera).options(&options[0]).trace().await?;
+        let closest = renderer.closest_hits(&uploaded, &rays).await?.hits;
+        let any = renderer.any_hits(&uploaded, &rays).await?.hits;
+        let in_one_call = timeless(renderer.pair(&uploaded, &camera).read().await?);
         Ok::<_, Error>((pairs, traced.left, closest, any, in_one_call))
     };
     let found = thread::scope(|scope| scope.spawn(|| pollster::block_on(there)).join().unwrap()).unwrap();
     assert!(calls.into_inner() > 0);
 
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let pairs = options.iter().map(|options| timeless(renderer.render(&uploaded, &camera, options).unwrap()));
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let pairs = options
+        .iter()
+        .map(|options| timeless(renderer.pair(&uploaded, &camera).options(options).read().wait().unwrap()));
     let pairs = pairs.collect::<Vec<_>>();
-    let traced = renderer.trace(&uploaded, &camera, &options[0]).unwrap();
-    let closest = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
-    let any = renderer.any_hits(&uploaded, &rays).unwrap().hits;
+    let traced = renderer.pair(&uploaded, &camera).options(&options[0]).trace().wait().unwrap();
+    let closest = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
+    let any = renderer.any_hits(&uploaded, &rays).wait().unwrap().hits;
     assert!(any.contains(&true) && any.contains(&false));
     let in_one_call = timeless(render_stereo(&scene, &camera).unwrap());
     assert!(found == (pairs, traced.left, closest, any, in_one_call));
+}
+
+/// A frame of a fifth of a second is polled in slices, so that a timeout can end it. The renderer serves the next
+/// frame.
+#[test]
+fn a_frame_that_is_dropped_between_two_polls_leaves_no_trace() {
+    let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(320, 240));
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let options = Options::new(Method::Naive).samples(4);
+    let expected = timeless(renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap());
+    let mut slices = 0;
+    for kept in [1, 3, u32::MAX] {
+        let frame = renderer.pair(&uploaded, &camera).options(&options).read();
+        let mut frame = pin!(frame);
+        let mut polls = 0;
+        let done = poll_fn(|context| {
+            polls += 1;
+            match frame.as_mut().poll(context) {
+                Poll::Pending if polls == kept => Poll::Ready(None),
+                other => other.map(Some),
+            }
+        })
+        .wait();
+        match done {
+            Some(pair) => assert!(timeless(pair.unwrap()) == expected),
+            None => assert_eq!(polls, kept),
+        }
+        slices = polls;
+    } // A software adapter is slow enough for several slices.
+    assert!(!is_exact(&renderer) || slices > 3, "{slices}");
 }

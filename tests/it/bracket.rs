@@ -8,6 +8,7 @@ use common::{
 use stereotrace::{
     Boxes, Fetch, Light, MISS, Material, Mesh, Method, Options, PixelSource, Pose, RaysPerLane, Renderer, Rig, Scene,
     ShadowReuse, ShadowSource, StereoCamera, StereoPair, Traversal,
+    blocking::Wait,
     glam::Vec3,
     metrics::compare,
     scene::builtin::Builtin,
@@ -38,8 +39,9 @@ fn primary_visibility_is_naive_s_on_every_scene_and_without_shadow_bits_so_is_th
     let mut renderer = renderer();
     let exact = is_exact(&renderer);
     for (name, scene, camera) in scenes() {
-        let uploaded = renderer.upload(&scene).unwrap();
-        let mut render = |method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let mut render =
+            |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
         let naive = render(Method::Naive);
         for (_, method) in BITS {
             let pair = render(method);
@@ -69,8 +71,9 @@ fn least_identical(name: &str) -> [f64; 2] {
 fn only_shadows_of_what_is_thinner_than_the_left_samples_differ() {
     let mut renderer = renderer();
     for (name, scene, camera) in scenes() {
-        let uploaded = renderer.upload(&scene).unwrap();
-        let mut render = |method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let mut render =
+            |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
         let naive = render(Method::Naive);
         for (method, least) in [Method::BRACKET, Method::VERIFIED].into_iter().zip(least_identical(&name)) {
             let difference = compare(&render(method).right, &naive.right, &naive.pose).unwrap();
@@ -85,8 +88,9 @@ fn only_shadows_of_what_is_thinner_than_the_left_samples_differ() {
 fn shadows_of_wires_hair_leaves_cables_and_strips_are_not_lost() {
     let mut renderer = renderer();
     for trial in [Trial::Wires, Trial::Hair, Trial::Foliage, Trial::Cables, Trial::Strips] {
-        let (uploaded, camera) = (renderer.upload(&trial.scene()).unwrap(), trial.camera(240, 240));
-        let mut render = |method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+        let (uploaded, camera) = (renderer.upload(&trial.scene()).wait().unwrap(), trial.camera(240, 240));
+        let mut render =
+            |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
         let naive = render(Method::Naive);
         let difference = compare(&render(Method::BRACKET).right, &naive.right, &naive.pose).unwrap();
         let wrong = 100.0 - difference.identical_percent;
@@ -107,9 +111,10 @@ fn at_webgpu_s_default_limits_visibility_is_naive_s_by_both_fetches() {
         let mut renderer =
             Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch).boxes(boxes).rays(rays));
         let exact = is_exact(&renderer);
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         assert_eq!(uploaded.info().traversal.fetch, fetch, "it fits both ways");
-        let mut render = |method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+        let mut render =
+            |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
         let naive = render(Method::Naive);
         for (_, method) in BITS {
             let pair = render(method);
@@ -126,10 +131,10 @@ fn auto_never_costs_more_than_naive_whatever_the_interaxial_and_says_what_it_cho
     let mut renderer = renderer();
     let mut chosen = std::collections::BTreeSet::new();
     for (name, scene, camera) in scenes() {
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         for e_px in [2.3, 46.0] {
             let camera = camera.interaxial_pixels(e_px);
-            let mut render = |options| renderer.render(&uploaded, &camera, &options).unwrap();
+            let mut render = |options| renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
             // Chosen as it ships: counting traces one ray a lane, and may choose otherwise.
             let auto = render(Options::default());
             let choice = auto.statistics.choice.expect("auto says why");
@@ -251,7 +256,7 @@ fn a_view_between_two_sources_takes_bits_where_plain_rust_takes_them_of_either()
     for (seed, e_px) in [(0, 6.0), (2, 25.0)] {
         let (scene, camera) = (random_stage(seed), camera().interaxial_pixels(e_px));
         let pose = camera.pose().unwrap();
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let offsets = [-0.5, 0.2, 0.6];
         let rig = Rig::at(camera, offsets.to_vec()).traced(vec![0, 2]);
         // The third view is the nearer source of the second, and stands to its right.
@@ -259,7 +264,7 @@ fn a_view_between_two_sources_takes_bits_where_plain_rust_takes_them_of_either()
         let hits = frames.map(|frame| trace_left(&scene, &frame, Eye::Left));
         let sources = [(&frames[0], hits[0].as_slice()), (&frames[1], hits[1].as_slice())];
         for (reuse, method) in BITS {
-            let views = renderer.render_views(&uploaded, &rig, &Options::new(method)).unwrap();
+            let views = renderer.views(&uploaded, &rig).options(&Options::new(method)).read().wait().unwrap();
             let view = &views.views[1];
             assert_eq!(view.made_from, 2);
             let right: Vec<_> = view.view.depth.iter().copied().zip(view.view.primitive.iter().copied()).collect();
@@ -319,8 +324,8 @@ fn dense_ball(rings: u32) -> (usize, usize) {
     let camera = camera().size(64, 48);
     let mut renderer = renderer();
     let exact = is_exact(&renderer);
-    let uploaded = renderer.upload(&scene).unwrap();
-    let mut render = |method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let mut render = |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
     let naive = render(Method::Naive);
     let counts = BITS.map(|(_, method)| {
         let pair = render(method);
@@ -361,8 +366,9 @@ fn a_ray_meets_only_what_its_pixel_s_centre_lies_in_the_bounds_of() {
         scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     }
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let pair = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET).count(true)).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let pair =
+        renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET).count(true)).read().wait().unwrap();
     // 4.0 as measured: two a pixel, and two that its tile looks at. Ten if each ray met all of its block's.
     let tests = pair.statistics.right.primitive_tests as f64 / f64::from(64 * 48);
     assert!(tests < 4.5, "{tests}");
@@ -372,12 +378,12 @@ fn a_ray_meets_only_what_its_pixel_s_centre_lies_in_the_bounds_of() {
 fn ten_runs_give_the_same_pair() {
     let mut renderer = renderer();
     for builtin in [Builtin::Fence, Builtin::Spheres] {
-        let uploaded = renderer.upload(&builtin.scene()).unwrap();
+        let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
         let camera = builtin.camera(150, 97);
         for method in [Method::BRACKET, Method::VERIFIED, Method::Auto] {
             let mut render = || {
                 // Not counting, which traces one ray a lane.
-                let mut pair = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+                let mut pair = renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
                 pair.statistics.times = None;
                 pair
             };

@@ -9,7 +9,7 @@ use std::{
 
 use stereotrace::{
     Adaptive, AmbientOcclusion, GBuffer, Light, Method, Options, Scene, ShadowBuffer, StereoCamera, StereoPair,
-    Visibility, scene::builtin::Builtin, testing::suite::Trial,
+    Visibility, blocking::Wait, scene::builtin::Builtin, testing::suite::Trial,
 };
 
 use crate::common::{random_stage, renderer};
@@ -100,9 +100,9 @@ fn every_method_makes_the_bytes_that_it_made() {
                 }
             }
             let mut renderer = renderer();
-            let uploaded = renderer.upload(&scene).unwrap();
+            let uploaded = renderer.upload(&scene).wait().unwrap();
             for &method in if by_all { Method::ALL } else { &some } {
-                let made = renderer.render(&uploaded, &camera, &options.clone().method(method));
+                let made = renderer.pair(&uploaded, &camera).options(&options.clone().method(method)).read().wait();
                 let mut made = made.as_ref().map_or_else(|error| format!(" refused: {error}"), text);
                 if setting == "shadow-buffer" {
                     // Which points share a lane decides how many rays are traced, and differs from run to run.

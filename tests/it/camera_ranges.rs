@@ -6,6 +6,7 @@ use common::{RandomScene, ball, is_exact, random::Random, renderer};
 use stereotrace::{
     Convergence, Error, Light, MISS, MaterialId, Mesh, Method, Options, Renderer, Scene, Sphere, StereoCamera,
     StereoPair,
+    blocking::Wait,
     camera::{Intrinsics, MIN_PIXEL_ANGLE, SCREEN_DISTANCES},
     glam::Vec3,
     scene::{MAX_COORDINATE, MIN_EXTENT},
@@ -26,7 +27,7 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
     let at_the_limit = StereoCamera::look_at(2e8 * Vec3::X + 1e5 * Vec3::Z, 2e8 * Vec3::X).interaxial(1000.0);
     let tiny = StereoCamera::look_at(1e-30 * Vec3::Z, Vec3::ZERO);
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&triangle([Vec3::ZERO, Vec3::X, Vec3::Y])).unwrap();
+    let uploaded = renderer.upload(&triangle([Vec3::ZERO, Vec3::X, Vec3::Y])).wait().unwrap();
     let refused = [
         (tiny, "screen_distance is 1e-30; it must lie between 1e-6 and 1e9"),
         (camera().screen_distance(1e-20), "screen_distance is 1e-20; it must lie between"),
@@ -93,7 +94,7 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
     ];
     for (camera, expected) in refused {
         // Eyes are checked against the scene's origin when they are rendered.
-        let rendered = renderer.render(&uploaded, &camera, &Options::default());
+        let rendered = renderer.pair(&uploaded, &camera).read().wait();
         let message = camera.pose().err().or(rendered.err()).map(|error| error.to_string()).unwrap_or_default();
         assert!(message.contains(expected), "{message} should say: {expected}");
     }
@@ -204,9 +205,9 @@ fn at_the_edges_of_the_ranges_parallel_and_calibrated_eyes_see_what_naive_shows(
         let camera = at_the_edge(&mut random, &scene, place, scale, angle);
         let camera = calibrated_at_the_edge(&mut random, camera, angle);
         let Ok(pose) = camera.pose() else { continue };
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let all = [Method::Naive, Method::BRACKET_RAYS, Method::ATOMIC]
-            .map(|method| renderer.render(&uploaded, &camera, &Options::new(method).linear(true)));
+            .map(|method| renderer.pair(&uploaded, &camera).options(&Options::new(method).linear(true)).read().wait());
         // Eyes that f32 does not hold.
         if let [Err(Error::Camera { .. }), ..] = all {
             continue;
@@ -247,9 +248,9 @@ fn at_the_edges_of_the_ranges_bracket_rays_shows_what_naive_does() {
         if camera.pose().is_err() {
             continue;
         }
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let all = [Method::Naive, Method::BRACKET_RAYS]
-            .map(|method| renderer.render(&uploaded, &camera, &Options::new(method).linear(true)));
+            .map(|method| renderer.pair(&uploaded, &camera).options(&Options::new(method).linear(true)).read().wait());
         if let [Err(Error::Camera { .. }), _] = all {
             continue;
         }
@@ -289,14 +290,15 @@ fn scenes_of_the_least_and_the_largest_scale_look_as_at_scale_one() {
     for (seed, (radius, degrees)) in (0..).zip([(0.3, 40.0), (1e-3, 0.05), (1e-4, 0.0106)]) {
         let (eye, target) = (4.0 * random.point(1.0).normalize(), random.point(0.3));
         let mut pairs = |scale: f32| {
-            let uploaded = renderer.upload(&scaled(seed, radius, target, scale)).unwrap();
+            let uploaded = renderer.upload(&scaled(seed, radius, target, scale)).wait().unwrap();
             let camera = StereoCamera::look_at(eye * scale, target * scale)
                 .size(64, 48)
                 .vertical_fov_degrees(degrees)
                 .screen_distance(4.0 * scale)
                 .interaxial_pixels(3.0);
-            [Method::Naive, Method::BRACKET_RAYS]
-                .map(|method| renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap())
+            [Method::Naive, Method::BRACKET_RAYS].map(|method| {
+                renderer.pair(&uploaded, &camera).options(&Options::new(method).linear(true)).read().wait().unwrap()
+            })
         };
         let [at_one, _] = pairs(1.0);
         assert!(at_one.right.primitive.iter().filter(|&&primitive| primitive != MISS).count() > 100);
@@ -346,9 +348,9 @@ fn a_fitting_camera_shows_both_eyes_the_whole_of_any_box() {
 }
 
 fn framed(renderer: &mut Renderer, scene: &Scene) -> StereoPair {
-    let uploaded = renderer.upload(scene).unwrap();
+    let uploaded = renderer.upload(scene).wait().unwrap();
     let camera = StereoCamera::fitting(scene.bounds().unwrap(), 48, 48);
-    renderer.render(&uploaded, &camera, &Options::default().linear(true)).unwrap()
+    renderer.pair(&uploaded, &camera).options(&Options::default().linear(true)).read().wait().unwrap()
 }
 
 fn triangle(corners: [Vec3; 3]) -> Scene {
@@ -369,9 +371,9 @@ fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
     }
     // A few steps of f32 across: f32 does not hold the eyes, but relative to an origin that is nearer.
     let far = triangle(shape.map(|corner| 8.0 * corner + Vec3::splat(5e7)));
-    let uploaded = renderer.upload(&far).unwrap();
+    let uploaded = renderer.upload(&far).wait().unwrap();
     let camera = StereoCamera::fitting(far.bounds().unwrap(), 48, 48);
-    let message = renderer.render(&uploaded, &camera, &Options::default()).unwrap_err().to_string();
+    let message = renderer.pair(&uploaded, &camera).read().wait().unwrap_err().to_string();
     assert!(message.contains("a scene origin nearer to the camera"), "{message}");
     let mut far = triangle(shape.map(|corner| 8.0 * corner));
     far.set_origin(Vec3::splat(5e7)).unwrap();
@@ -388,14 +390,14 @@ fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
         (triangle(shape.map(|corner| corner * 0.9 * MIN_EXTENT)), "9e-7"),
         (sphere(Vec3::X, 1e-9), "2e-9"),
     ] {
-        let message = renderer.upload(&small).unwrap_err().to_string();
+        let message = renderer.upload(&small).wait().unwrap_err().to_string();
         assert!(
             message.contains(&format!("geometry: its longest side is {side}; it must be at least 1e-6")),
             "{message}"
         );
     }
     // Far from the origin its box is no step of f32 across, and the sphere is as good as any.
-    renderer.upload(&sphere(Vec3::splat(1e6), 1e-3)).unwrap();
+    renderer.upload(&sphere(Vec3::splat(1e6), 1e-3)).wait().unwrap();
     let mut mixed = triangle(shape.map(|corner| corner * 1e-30));
     mixed.add_sphere(Sphere::new(Vec3::X, 0.1, MaterialId(0))).unwrap();
     framed(&mut renderer, &mixed);

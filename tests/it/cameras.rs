@@ -6,6 +6,7 @@ use common::{is_exact, random::Random, render, renderer};
 use stereotrace::{
     Adaptive, AmbientOcclusion, Builtin, Convergence, Error, FAR, Method, Occlusion, Options, PixelSource, Ray, Rig,
     ShadowBuffer, StereoCamera, StereoPair, View, Visibility,
+    blocking::Wait,
     camera::Intrinsics,
     glam::{DMat3, DVec3, Vec3},
     testing::cpu::{Eye, Frame, adelson_hodges::sweep, reproject::reproject},
@@ -142,7 +143,7 @@ fn bracket_rays_are_naive_by_every_camera_and_every_kind_of_frame() {
     let mut renderer = renderer();
     let exact = is_exact(&renderer);
     for builtin in [Builtin::Near, Builtin::ThreeSpheresTextured] {
-        let uploaded = renderer.upload(&builtin.scene()).unwrap();
+        let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
         for (kind, camera) in kinds(builtin.camera(75, 50)) {
             let plain = Options::default().linear(true);
             let frames = [
@@ -155,7 +156,9 @@ fn bracket_rays_are_naive_by_every_camera_and_every_kind_of_frame() {
             ];
             for (frame, options) in frames {
                 let what = format!("{builtin}, {kind}, {frame}");
-                let mut render = |method| renderer.render(&uploaded, &camera, &options.clone().method(method)).unwrap();
+                let mut render = |method| {
+                    renderer.pair(&uploaded, &camera).options(&options.clone().method(method)).read().wait().unwrap()
+                };
                 let naive = render(Method::Naive);
                 let bracket = render(Method::BRACKET_RAYS);
                 assert_same(&bracket.left, &naive.left, exact, &what);
@@ -216,12 +219,12 @@ fn views_of_a_rig_and_those_that_stay_on_the_device_are_those_of_naive() {
     let mut renderer = renderer();
     let exact = is_exact(&renderer);
     let builtin = Builtin::Near;
-    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
     for (kind, camera) in kinds(builtin.camera(72, 48)) {
         let rig = Rig::at(camera, vec![0.5, -0.7, 0.1, 1.3, -0.5]).traced(vec![1, 3]);
         let mut render = |method| {
             let options = Options::new(method).linear(true);
-            renderer.render_views(&uploaded, &rig, &options).unwrap().views
+            renderer.views(&uploaded, &rig).options(&options).read().wait().unwrap().views
         };
         let (naive, rays, bracket) = (render(Method::Naive), render(Method::BRACKET_RAYS), render(Method::BRACKET));
         for (index, naive) in naive.iter().enumerate() {
@@ -229,21 +232,28 @@ fn views_of_a_rig_and_those_that_stay_on_the_device_are_those_of_naive() {
             assert!(!exact || bracket[index].view.depth == naive.view.depth, "{kind}, view {index}");
         }
         // A pair is two of them, and one eye alone is one of them.
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
+        let pair =
+            renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap();
         assert_same(&naive[0].view, &pair.right, exact, kind);
         assert_same(&naive[4].view, &pair.left, exact, kind);
         for offset in [-0.7, 0.5] {
             let one = Rig::at(camera, vec![offset]);
-            let alone = renderer.render_views(&uploaded, &one, &Options::default().linear(true)).unwrap().views;
+            let alone =
+                renderer.views(&uploaded, &one).options(&Options::default().linear(true)).read().wait().unwrap().views;
             let same = naive.iter().find(|view| view.offset == offset).unwrap();
             assert_eq!((alone.len(), alone[0].method), (1, Method::Naive));
             assert_same(&alone[0].view, &same.view, exact, kind);
         }
         let mut encoder = renderer.gpu().device().create_command_encoder(&Default::default());
-        let encoded = renderer.encode(&uploaded, &rig, &Options::new(Method::BRACKET_RAYS), &mut encoder).unwrap();
+        let encoded = renderer
+            .views(&uploaded, &rig)
+            .options(&Options::new(Method::BRACKET_RAYS))
+            .encode(&mut encoder)
+            .wait()
+            .unwrap();
         assert_eq!(encoded.views.len(), 5);
     }
-    let mono = renderer.render_views(&uploaded, &Rig::mono(builtin.camera(72, 48)), &Options::default()).unwrap();
+    let mono = renderer.views(&uploaded, &Rig::mono(builtin.camera(72, 48))).read().wait().unwrap();
     assert_eq!((mono.views.len(), mono.views[0].offset, mono.views[0].made_from), (1, 0.0, 0));
 }
 
@@ -264,8 +274,8 @@ fn disparity_is_f_e_over_z_and_occlusions_are_what_the_other_eye_s_rays_meet() {
             let pair = render(&scene, &camera, Method::BRACKET_RAYS);
             let (pose, i) = (&pair.pose, pair.pose.intrinsics());
             let renderer = renderer();
-            let uploaded = renderer.upload(&scene).unwrap();
-            let occlusions = renderer.occlusions(&uploaded, &pair).unwrap();
+            let uploaded = renderer.upload(&scene).wait().unwrap();
+            let occlusions = renderer.occlusions(&uploaded, &pair).wait().unwrap();
             let (mut worst, mut wrong, mut guessed, mut hidden) = (0.0_f64, 0, 0, 0);
             let by_depths = pair.occlusion();
             for (index, (&d, &z)) in pair.disparity().iter().zip(&pair.left.depth).enumerate() {
@@ -277,7 +287,7 @@ fn disparity_is_f_e_over_z_and_occlusions_are_what_the_other_eye_s_rays_meet() {
                 let blocked = z.is_finite() && {
                     let to = seen_at(pose, -1.0, place, z.into()) - eye;
                     let ray = Ray::new(eye.as_vec3(), to.as_vec3()).t_max(1.0 - 1e-3);
-                    renderer.any_hits(&uploaded, &[ray]).unwrap().hits[0]
+                    renderer.any_hits(&uploaded, &[ray]).wait().unwrap().hits[0]
                 };
                 let truth = match blocked {
                     _ if !(0.0..90.0).contains(&x) => Occlusion::OutOfFrame,
@@ -334,24 +344,24 @@ fn eyes_that_are_toed_in_meet_on_the_screen_and_see_keystones() {
 fn a_pair_that_is_toed_in_is_two_eyes_alone_and_says_so() {
     let (scene, camera) = (Builtin::Spheres.scene(), toed_in(Builtin::Spheres));
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let mut progress = Vec::new();
     let mut watch = |step: stereotrace::Progress| {
         progress.push(step.done);
         std::ops::ControlFlow::Continue(())
     };
     let options = Options::new(Method::BRACKET).linear(true).count(true);
-    let pair = renderer.render_with(&uploaded, &camera, &options, &mut watch).unwrap();
+    let pair = renderer.pair(&uploaded, &camera).options(&options).progress(&mut watch).read().wait().unwrap();
     assert!(progress.is_sorted() && progress.last() == Some(&1.0), "{progress:?}");
     assert_eq!((pair.statistics.method, pair.pose.convergence), (Method::Naive, Convergence::ToeIn));
     assert!(pair.source.iter().all(|source| *source == PixelSource::Traced));
     assert_eq!((pair.source.len(), pair.statistics.retraced_share()), (90 * 60, 1.0));
     assert!(pair.statistics.left.cost() > 0 && pair.statistics.right.cost() > 0);
-    let traced = renderer.trace(&uploaded, &camera, &options).unwrap();
+    let traced = renderer.pair(&uploaded, &camera).options(&options).trace().wait().unwrap();
     assert_eq!((traced.left, traced.right), (pair.statistics.left, pair.statistics.right));
     for (offset, view) in [(-0.5, &pair.left), (0.5, &pair.right)] {
         let rig = Rig::at(camera, vec![offset]);
-        let alone = renderer.render_views(&uploaded, &rig, &Options::default().linear(true)).unwrap();
+        let alone = renderer.views(&uploaded, &rig).options(&Options::default().linear(true)).read().wait().unwrap();
         assert_eq!(pixels(&alone.views[0].view), pixels(view));
         // What each pixel shows is projected back to it.
         let pose = pair.pose.of_eye(2.0 * offset);
@@ -366,16 +376,16 @@ fn a_pair_that_is_toed_in_is_two_eyes_alone_and_says_so() {
     assert!(pair.disparity().is_empty() && pair.right_disparity().is_empty() && pair.occlusion().is_empty());
     let refused =
         |error: Error| assert!(matches!(&error, Error::Rig { reason, .. } if reason.contains("toed in")), "{error}");
-    refused(renderer.occlusions(&uploaded, &pair).unwrap_err());
+    refused(renderer.occlusions(&uploaded, &pair).wait().unwrap_err());
     let default = Options::default();
-    refused(renderer.render_views(&uploaded, &Rig::pair(camera), &default).unwrap_err());
-    refused(renderer.render_views(&uploaded, &Rig::row(camera, 5), &default).unwrap_err());
-    refused(renderer.render_rows(&uploaded, &Rig::pair(camera), &default, &mut |_| Ok(())).unwrap_err());
+    refused(renderer.views(&uploaded, &Rig::pair(camera)).options(&default).read().wait().unwrap_err());
+    refused(renderer.views(&uploaded, &Rig::row(camera, 5)).options(&default).read().wait().unwrap_err());
+    refused(renderer.views(&uploaded, &Rig::pair(camera)).options(&default).rows(&mut |_| Ok(())).wait().unwrap_err());
     let mut encoder = renderer.gpu().device().create_command_encoder(&Default::default());
-    refused(renderer.encode(&uploaded, &Rig::pair(camera), &default, &mut encoder).unwrap_err());
+    refused(renderer.views(&uploaded, &Rig::pair(camera)).options(&default).encode(&mut encoder).wait().unwrap_err());
     // All frames of several samples are there, too.
     for options in [default.clone().samples(4), default.adaptive(Adaptive::new(2, 8.0))] {
-        let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         assert_eq!((pair.right.rgba8.len(), pair.statistics.method), (90 * 60, Method::Naive));
     }
 }

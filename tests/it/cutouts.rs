@@ -8,6 +8,7 @@ use common::{is_exact, random::Random, random_foliage, render, renderer, rendere
 use stereotrace::{
     Boxes, BvhBuild, Ellipsoid, Fetch, Finish, Light, MISS, Material, MaterialId, Mesh, Method, Options, Ray, Scene,
     Sky, Sphere, StereoCamera, StereoPair, Texture, TextureId, Traversal, Update, Wrap,
+    blocking::Wait,
     glam::{Affine3A, Vec2, Vec3},
     metrics::compare,
     testing::cpu::{Eye, Frame, intersect::closest_hit},
@@ -215,8 +216,9 @@ fn every_traversal_and_bracket_see_what_naive_sees() {
         let exact = is_exact(&renderer);
         let scenes = [random_foliage(4, false), random_foliage(5, true), fence(true)];
         let naive = scenes.map(|scene| {
-            let uploaded = renderer.upload(&scene).unwrap();
-            let mut shown = |method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+            let uploaded = renderer.upload(&scene).wait().unwrap();
+            let mut shown =
+                |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
             let naive = shown(Method::Naive);
             for method in [Method::BRACKET_RAYS, Method::BRACKET] {
                 let pair = shown(method);
@@ -272,9 +274,9 @@ fn rays_of_a_list_pass_holes_as_by_brute_force() {
     assert!(expected.iter().filter(|(_, id)| *id != MISS).count() > 500);
     for traversal in [Traversal::ALL[0], Traversal::ALL[5]] {
         let renderer = renderer_by(traversal);
-        let uploaded = renderer.upload(&scene).unwrap();
-        let closest = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
-        let any = renderer.any_hits(&uploaded, &rays).unwrap().hits;
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let closest = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
+        let any = renderer.any_hits(&uploaded, &rays).wait().unwrap().hits;
         let differs = |index: &usize| closest[*index].primitive != expected[*index].1;
         let wrong = (0..rays.len()).filter(differs).count();
         let allowed = if is_exact(&renderer) { 0 } else { rays.len() / 500 };
@@ -360,14 +362,14 @@ fn whatever_changes_of_its_cut_outs_a_scene_looks_as_uploaded_anew() {
     let mut renderer = renderer();
     let mut scene = random_foliage(7, false);
     let mut states =
-        [Update::Refit, Update::Rebuild(BvhBuild::Fast)].map(|how| (how, renderer.upload(&scene).unwrap()));
+        [Update::Refit, Update::Rebuild(BvhBuild::Fast)].map(|how| (how, renderer.upload(&scene).wait().unwrap()));
     for (name, change) in changes {
         change(&mut scene);
-        let new = renderer.upload(&scene).unwrap();
-        let expected = renderer.render(&new, &camera, &Options::new(Method::BRACKET)).unwrap();
+        let new = renderer.upload(&scene).wait().unwrap();
+        let expected = renderer.pair(&new, &camera).options(&Options::new(Method::BRACKET)).read().wait().unwrap();
         for (how, uploaded) in &mut states {
-            renderer.update(uploaded, &scene, *how).unwrap();
-            let found = renderer.render(uploaded, &camera, &Options::new(Method::BRACKET)).unwrap();
+            renderer.update(uploaded, &scene, *how).wait().unwrap();
+            let found = renderer.pair(uploaded, &camera).options(&Options::new(Method::BRACKET)).read().wait().unwrap();
             assert!((&found.left, &found.right) == (&expected.left, &expected.right), "{name}, {how:?}");
         }
     }
@@ -379,7 +381,7 @@ fn only_triangles_can_be_cut_out() {
     let mask = scene.add_texture(fence_mask());
     let leaf = scene.add_material(Material::new(Vec3::ONE).cutout(mask));
     let renderer = renderer();
-    let said = |scene: &Scene| renderer.upload(scene).unwrap_err().to_string();
+    let said = |scene: &Scene| renderer.upload(scene).wait().unwrap_err().to_string();
     let mut with_ellipsoid = scene.clone();
     scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, MaterialId(0))).unwrap();
     scene.add_sphere(Sphere::new(Vec3::X, 1.0, leaf)).unwrap();

@@ -5,6 +5,7 @@ use crate::common;
 use common::renderer;
 use stereotrace::{
     Material, Mesh, Scene, StereoCamera,
+    blocking::Wait,
     dataset::FreePoses,
     glam::{DVec3, Vec3, vec3},
 };
@@ -43,18 +44,18 @@ fn places_in_a_room_are_neither_in_a_wall_nor_in_what_stands_there() {
     // Walls that face inward, and walls of which only the given camera tells that their back sides are to be seen.
     for walls_face_inward in [true, false] {
         let scene = room(walls_face_inward);
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let poses = FreePoses::new(&scene, camera(), 7).unwrap().clearance(0.3);
         let mut tries = 0;
         for item in 0..60 {
-            let found = poses.find(&renderer, &uploaded, item).unwrap();
+            let found = poses.find(&renderer, &uploaded, item).wait().unwrap();
             let eye = found.camera.pose().unwrap().eye.as_vec3();
             // By 128 directions a corner may be a little nearer than what they meet.
             let near = 0.25;
             let in_room = eye.cmpge(vec3(-5.0, 0.0, -5.0) + near).all() && eye.cmple(vec3(5.0, 4.0, 5.0) - near).all();
             let in_block = eye.x.abs() < 2.0 + near && eye.z.abs() < 2.0 + near;
             assert!(in_room && !in_block, "item {item}: {eye}");
-            assert_eq!(found, poses.find(&renderer, &uploaded, item).unwrap());
+            assert_eq!(found, poses.find(&renderer, &uploaded, item).wait().unwrap());
             tries += found.tries;
         }
         assert!(tries > 60, "nothing was rejected, though a fifth of the room is the block's");
@@ -69,10 +70,10 @@ fn around_an_object_the_distance_stays_and_the_object_is_seen() {
     scene.add_mesh(&block(vec3(0.0, 0.0, 0.0), vec3(2.0, 1.0, 3.0), false).materials(vec![grey; 12])).unwrap();
     let middle = DVec3::new(1.0, 0.5, 1.5);
     let camera = StereoCamera::look_at(vec3(6.0, 2.0, 1.5), middle).size(64, 48).vertical_fov_degrees(30.0);
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let poses = FreePoses::new(&scene, camera, 1).unwrap().surfaces(0.2);
     let eyes = Vec::from_iter((0..12).map(|item| {
-        let pose = poses.find(&renderer, &uploaded, item).unwrap().camera.pose().unwrap();
+        let pose = poses.find(&renderer, &uploaded, item).wait().unwrap().camera.pose().unwrap();
         assert!((pose.eye.distance(middle) - camera.pose().unwrap().eye.distance(middle)).abs() < 1e-4, "{}", pose.eye);
         pose.eye
     }));
@@ -85,8 +86,8 @@ fn around_an_object_the_distance_stays_and_the_object_is_seen() {
 fn where_there_is_no_room_the_reasons_are_said() {
     let renderer = renderer();
     let scene = room(true);
-    let uploaded = renderer.upload(&scene).unwrap();
-    let refused = |poses: FreePoses<'_>| poses.find(&renderer, &uploaded, 3).unwrap_err().to_string();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let refused = |poses: FreePoses<'_>| poses.find(&renderer, &uploaded, 3).wait().unwrap_err().to_string();
     let poses = || FreePoses::new(&scene, camera(), 0).unwrap();
     let near = refused(poses().clearance(6.0));
     assert!(near.contains("no free camera position for item 3 in 2000 tries: 2000 too near a surface"), "{near}");

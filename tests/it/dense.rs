@@ -10,6 +10,7 @@ use std::time::Instant;
 use common::{random::Random, renderer};
 use stereotrace::{
     Light, MISS, Mesh, Method, Options, Scene, StereoCamera, StereoPair, View,
+    blocking::Wait,
     glam::Vec3,
     testing::cpu::{Eye, Frame},
 };
@@ -46,10 +47,10 @@ fn needles(count: u32) -> Mesh {
 
 fn render(scene: &Scene, camera: &StereoCamera, methods: &[Method]) -> Result<Vec<StereoPair>, String> {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).map_err(|error| error.to_string())?;
+    let uploaded = renderer.upload(scene).wait().map_err(|error| error.to_string())?;
     let pair = |method: &Method| {
         let started = Instant::now();
-        let pair = renderer.render(&uploaded, camera, &Options::new(*method));
+        let pair = renderer.pair(&uploaded, camera).options(&Options::new(*method)).read().wait();
         println!("{method}: {} after {:.1?}", if pair.is_ok() { "a pair" } else { "no pair" }, started.elapsed());
         pair.map_err(|error| format!("{method}: {error}"))
     };

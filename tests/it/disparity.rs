@@ -6,6 +6,7 @@ use crate::common;
 use common::{nearest::nearest, renderer};
 use stereotrace::{
     Builtin, Error, GBuffer, Method, Occlusion, Options, Pose, Ray, StereoPair,
+    blocking::Wait,
     glam::DVec3,
     testing::cpu::{Eye, Frame},
 };
@@ -91,7 +92,7 @@ fn what_is_before_the_screen_is_above_0_and_what_is_behind_it_below() {
 /// What of the left view a list of rays from the right eye does not reach.
 fn hidden_by_rays(pair: &StereoPair, builtin: Builtin) -> Vec<bool> {
     let renderer = renderer();
-    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
     let frame = Frame::new(&pair.pose);
     let (left, right) = (frame.eye(Eye::Left), frame.eye(Eye::Right));
     let ray = |(index, &z): (usize, &f32)| {
@@ -102,7 +103,7 @@ fn hidden_by_rays(pair: &StereoPair, builtin: Builtin) -> Vec<bool> {
         }
     };
     let rays: Vec<Ray> = pair.left.depth.iter().enumerate().map(ray).collect();
-    renderer.any_hits(&uploaded, &rays).unwrap().hits
+    renderer.any_hits(&uploaded, &rays).wait().unwrap().hits
 }
 
 #[test]
@@ -171,9 +172,10 @@ fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_on
     for builtin in [Builtin::Spheres, Builtin::Fence, Builtin::Hidden, Builtin::Grazing] {
         let (scene, camera) = (builtin.scene(), builtin.camera(120, 80));
         let mut renderer = renderer();
-        let uploaded = renderer.upload(&scene).unwrap();
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET_RAYS)).unwrap();
-        let occlusions = renderer.occlusions(&uploaded, &pair).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let pair =
+            renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET_RAYS)).read().wait().unwrap();
+        let occlusions = renderer.occlusions(&uploaded, &pair).wait().unwrap();
         let [left, right] = [-1.0, 1.0].map(|side| Pinhole { pose: &pair.pose, side });
         let sides = [
             (&left, &right, &pair.left, pair.disparity(), &occlusions.left, -1.0),
@@ -225,11 +227,11 @@ fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_on
 fn occlusions_need_depths() {
     let builtin = Builtin::Fence;
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
     let mut render = |g_buffer| {
         let options = Options::new(Method::Naive).g_buffer(g_buffer);
-        let pair = renderer.render(&uploaded, &builtin.camera(9, 7), &options).unwrap();
-        renderer.occlusions(&uploaded, &pair)
+        let pair = renderer.pair(&uploaded, &builtin.camera(9, 7)).options(&options).read().wait().unwrap();
+        renderer.occlusions(&uploaded, &pair).wait()
     };
     let error = render(GBuffer::None).unwrap_err();
     assert!(matches!(error, Error::Options { option: "g_buffer", .. }), "{error}");
@@ -240,8 +242,8 @@ fn occlusions_need_depths() {
 fn without_depth_both_are_empty() {
     let builtin = Builtin::Fence;
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
     let options = Options::new(Method::Naive).g_buffer(GBuffer::None);
-    let pair = renderer.render(&uploaded, &builtin.camera(9, 7), &options).unwrap();
+    let pair = renderer.pair(&uploaded, &builtin.camera(9, 7)).options(&options).read().wait().unwrap();
     assert!(pair.disparity().is_empty() && pair.right_disparity().is_empty() && pair.occlusion().is_empty());
 }

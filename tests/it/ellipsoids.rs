@@ -7,6 +7,7 @@ use common::{RandomScene, is_exact, random::Random, random_ellipsoid, renderer, 
 use stereotrace::{
     BvhBuild, Ellipsoid, Light, Material, MaterialId, Mesh, Method, Options, Ray, Scene, Sky, Sphere, StereoCamera,
     Update,
+    blocking::Wait,
     glam::{Affine3A, Mat3, Quat, Vec3},
     scene::MAX_ASPECT,
 };
@@ -68,8 +69,13 @@ fn of_equal_axes_they_are_spheres_to_the_last_bit() {
             let mut lit = [&spheres, &round, &some].map(Clone::clone);
             lit.iter_mut().for_each(|scene| scene.place_lights(2, &camera).unwrap());
             let [expected, of_round, of_some] = lit.map(|scene| {
-                let uploaded = renderer.upload(&scene).unwrap();
-                let pair = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET_RAYS)).unwrap();
+                let uploaded = renderer.upload(&scene).wait().unwrap();
+                let pair = renderer
+                    .pair(&uploaded, &camera)
+                    .options(&Options::new(Method::BRACKET_RAYS))
+                    .read()
+                    .wait()
+                    .unwrap();
                 (pair.left, pair.right)
             });
             assert!(expected.0.object.iter().any(|object| *object > 0));
@@ -121,8 +127,9 @@ fn visibility_is_naive_s_by_every_traversal() {
         // All scenes as the adapter traces them, some by the other ways.
         let some = scenes.iter().enumerate().filter(|(index, _)| number == 0 || index % 4 == number % 4);
         for (_, (name, scene, camera)) in some {
-            let uploaded = renderer.upload(scene).unwrap();
-            let mut render = |method| renderer.render(&uploaded, camera, &Options::new(method)).unwrap();
+            let uploaded = renderer.upload(scene).wait().unwrap();
+            let mut render =
+                |method| renderer.pair(&uploaded, camera).options(&Options::new(method)).read().wait().unwrap();
             let naive = render(Method::Naive);
             assert!(naive.left.object.iter().any(|object| *object != stereotrace::MISS), "{name}: nothing is seen");
             for method in [Method::BRACKET_RAYS, Method::BRACKET, Method::VERIFIED] {
@@ -145,9 +152,10 @@ fn a_tile_s_pixels_meet_only_what_their_centres_lie_in_the_bounds_of() {
         scene.add_ellipsoid(Ellipsoid::aligned(center, Vec3::new(0.09, 0.04, 0.09), MaterialId(0))).unwrap();
     }
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(128, 128).interaxial_pixels(3.0);
-    let pair = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET).count(true)).unwrap();
+    let pair =
+        renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET).count(true)).read().wait().unwrap();
     let tests = pair.statistics.right.primitive_tests as f64 / 16384.0;
     println!("{tests} tests a pixel");
     // Measured 0.55: a ray where there is an ellipsoid, and what tiles look at.
@@ -159,7 +167,7 @@ fn worst_t(one: &Ellipsoid, aspect: f32, origins: &[Vec3], random: &mut Random) 
     let mut scene = Scene::new();
     scene.add_ellipsoid(*one).unwrap();
     let renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let mut rays = Vec::new();
     for &origin in origins {
         for _ in 0..100 {
@@ -176,7 +184,7 @@ fn worst_t(one: &Ellipsoid, aspect: f32, origins: &[Vec3], random: &mut Random) 
         Truth::new(&scene)
     });
     let (mut worst, mut lost) = (0.0_f64, 0);
-    for (ray, hit) in rays.iter().zip(renderer.closest_hits(&uploaded, &rays).unwrap().hits) {
+    for (ray, hit) in rays.iter().zip(renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits) {
         let [seen, less, more] = [&truth, &less, &more].map(|truth| truth.see(ray.origin.as_vec3(), ray.direction));
         if hit.primitive != seen.primitive {
             lost += usize::from(less.primitive == more.primitive);
@@ -226,9 +234,9 @@ fn dark(one: Ellipsoid, camera: &StereoCamera, lamp: Vec3) -> (usize, usize) {
     scene.ambient = Some(Vec3::ZERO);
     scene.lights = vec![Light::point(lamp, Vec3::ONE)];
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let camera = camera.size(160, 120).interaxial(0.0);
-    let view = renderer.render(&uploaded, &camera, &Options::new(Method::Ideal)).unwrap().left;
+    let view = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Ideal)).read().wait().unwrap().left;
     let inner = (1..119).flat_map(|row| (1..159).map(move |column| row * 160 + column));
     let seen = inner.filter(|&at| [at, at - 1, at + 1, at - 160, at + 160].iter().all(|&at| view.primitive[at] == 0));
     seen.fold((0, 0), |(dark, seen), at| (dark + usize::from(view.rgba8[at][0] == 0), seen + 1))
@@ -286,8 +294,8 @@ fn changed_ellipsoids_look_as_uploaded_anew() {
     let mut scene = RandomScene { ellipsoids: 6, ..RandomScene::default() }.build();
     scene.place_lights(2, &camera()).unwrap();
     let first = scene.object_count() as u32 - 12;
-    let mut refitted = renderer.upload(&scene).unwrap();
-    let mut rebuilt = renderer.upload(&scene).unwrap();
+    let mut refitted = renderer.upload(&scene).wait().unwrap();
+    let mut rebuilt = renderer.upload(&scene).wait().unwrap();
     let changes: [fn(&mut Scene, u32); 3] = [
         |scene, first| {
             let shear = Mat3::from_cols(Vec3::X, Vec3::new(0.5, 2.0, 0.0), Vec3::Z);
@@ -311,12 +319,17 @@ fn changed_ellipsoids_look_as_uploaded_anew() {
     ];
     for (number, change) in changes.into_iter().enumerate() {
         change(&mut scene, first);
-        renderer.update(&mut refitted, &scene, Update::Refit).unwrap();
-        renderer.update(&mut rebuilt, &scene, Update::Rebuild(BvhBuild::Fast)).unwrap();
-        let new = renderer.upload(&scene).unwrap();
+        renderer.update(&mut refitted, &scene, Update::Refit).wait().unwrap();
+        renderer.update(&mut rebuilt, &scene, Update::Rebuild(BvhBuild::Fast)).wait().unwrap();
+        let new = renderer.upload(&scene).wait().unwrap();
         for method in [Method::Naive, Method::BRACKET] {
             let mut shown = |uploaded| {
-                let pair = renderer.render(uploaded, &camera(), &Options::new(method).linear(true)).unwrap();
+                let pair = renderer
+                    .pair(uploaded, &camera())
+                    .options(&Options::new(method).linear(true))
+                    .read()
+                    .wait()
+                    .unwrap();
                 (pair.left, pair.right)
             };
             let expected = shown(&new);
@@ -324,8 +337,8 @@ fn changed_ellipsoids_look_as_uploaded_anew() {
         }
     }
     scene.add_ellipsoid(scene.ellipsoids()[0]).unwrap();
-    let message = renderer.update(&mut refitted, &scene, Update::Refit).unwrap_err().to_string();
+    let message = renderer.update(&mut refitted, &scene, Update::Refit).wait().unwrap_err().to_string();
     assert!(message.contains("40 spheres and 12 ellipsoids, but the scene now has"), "{message}");
     scene.add_sphere(Sphere::new(Vec3::ZERO, 0.1, MaterialId(0))).unwrap();
-    renderer.update(&mut refitted, &scene, Update::Rebuild(BvhBuild::Fast)).unwrap();
+    renderer.update(&mut refitted, &scene, Update::Rebuild(BvhBuild::Fast)).wait().unwrap();
 }

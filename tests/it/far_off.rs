@@ -7,6 +7,7 @@ use serde_json::Value;
 use stereotrace::{
     EyeTruth, GroundTruth, Light, MISS, Mesh, Method, Options, Origin, Renderer, Scene, SceneFile, SceneOptions,
     StereoCamera, View,
+    blocking::Wait,
     glam::{BVec3, DMat4, DVec3, Quat, Vec3},
 };
 
@@ -70,13 +71,13 @@ fn what_is_farther_off_is_warned_of_once_a_renderer_with_the_remedy() {
     };
     let first = Renderer::new(gpu());
     for distance in [0.0, 1000.0] {
-        first.upload(&still_life(distance * DIRECTION)).unwrap();
+        first.upload(&still_life(distance * DIRECTION)).wait().unwrap();
     }
     assert_eq!(warnings(), Vec::<String>::new());
     for distance in [1100.0, 1e6, 1100.0] {
-        first.upload(&still_life(distance * DIRECTION)).unwrap();
+        first.upload(&still_life(distance * DIRECTION)).wait().unwrap();
     }
-    Renderer::new(gpu()).upload(&still_life(1e6 * DIRECTION)).unwrap();
+    Renderer::new(gpu()).upload(&still_life(1e6 * DIRECTION)).wait().unwrap();
     let text = |near: &str, step: &str, side: &str| {
         format!(
             "the scene's coordinates near {near} are rounded to steps of {step}, and its longest side is {side}: \
@@ -265,11 +266,12 @@ fn scene_files_far_from_the_origin_lose_nothing() {
             let camera = camera.interaxial(model.baseline).vertical_fov_degrees(50.0);
             scene.place_lights(3, &camera).unwrap();
             let mut renderer = common::renderer();
-            let uploaded = renderer.upload(&scene).unwrap();
-            let pair = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET_RAYS)).unwrap();
-            let naive = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+            let uploaded = renderer.upload(&scene).wait().unwrap();
+            let pair =
+                renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET_RAYS)).read().wait().unwrap();
+            let naive = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
             assert!(pair.right == naive.right, "{} at {place}", model.name);
-            let truth = renderer.ground_truth(&uploaded, &scene, &pair).unwrap();
+            let truth = renderer.ground_truth(&uploaded, &scene, &pair).wait().unwrap();
             let (of_disparity, of_row, missed) = errors(&model, &positions, &truth);
             let home = at_home.get_or_insert_with(|| pair.left.rgba8.clone());
             let others = home.iter().zip(&pair.left.rgba8).filter(|(a, b)| a != b).count();
@@ -299,12 +301,12 @@ fn disparities_are_those_of_the_eyes_that_were_rendered() {
     assert_eq!(scene.origin(), DVec3::ZERO);
     let [eye, target] = model.view.map(|point| point + place);
     let mut renderer = common::renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     for (screen, toe) in [(f32::INFINITY, 0.0), (30.0, 0.0), (f32::INFINITY, 20.0)] {
         let camera = StereoCamera::look_at(eye, target + toe * DVec3::X).size(320, 200).screen_distance(screen);
         let camera = camera.interaxial(model.baseline).vertical_fov_degrees(50.0);
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
-        let truth = renderer.ground_truth(&uploaded, &scene, &pair).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
+        let truth = renderer.ground_truth(&uploaded, &scene, &pair).wait().unwrap();
         let (of_disparity, of_row, missed) = errors(&model, &positions, &truth);
         let pose = &truth.pose;
         let by_interaxial = (pose.baseline() - f64::from(pose.interaxial)).abs() / pose.baseline();

@@ -8,7 +8,7 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use stereotrace::{Error, Limits, Scene};
+use stereotrace::{Error, Limits, Scene, blocking::Wait};
 
 /// A folder of one test, gone when the test is over. Tests of this file run one at a time, since they measure memory.
 struct Folder(PathBuf, #[expect(dead_code, reason = "held, not read")] MutexGuard<'static, ()>);
@@ -172,12 +172,12 @@ fn a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_softwar
     use stereotrace::{Gpu, Renderer, Sky, SkyMap, glam::Vec3};
 
     let _alone = Folder::new("upload");
-    let gpu = Gpu::open(std::env::var("STEREOTRACE_ADAPTER").unwrap_or("software".into())).unwrap();
+    let gpu = Gpu::open(std::env::var("STEREOTRACE_ADAPTER").unwrap_or("software".into())).wait().unwrap();
     let renderer = Renderer::new(gpu);
     let mut scene = Scene::new();
-    renderer.upload(&scene).unwrap();
+    renderer.upload(&scene).wait().unwrap();
     scene.sky = Sky::Map(SkyMap::new(4096, 2047, vec![Vec3::ONE; 4096 * 2047]).unwrap());
-    let mib = peak_growth(|| drop(renderer.upload(&scene).unwrap()));
+    let mib = peak_growth(|| drop(renderer.upload(&scene).wait().unwrap()));
     // Measured 160 MiB: the 128 of the texture, and a piece of 16 twice. At once it took 255 before the texture's own.
     assert!(mib < 192, "{mib} MiB for 8 million pixels");
 }

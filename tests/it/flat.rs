@@ -7,6 +7,7 @@ use common::{is_exact, render, renderer, renderer_by};
 use stereotrace::{
     BvhBuild, Error, Light, MaterialId, Method, Options, Pose, RaysPerLane, Renderer, Scene, ShadowBuffer, ShadowRule,
     Sphere, StereoCamera, StereoPair, Traversal, Update, UploadedScene, Visibility, Work,
+    blocking::Wait,
     glam::{Affine3A, DVec3, Vec3},
     scene::builtin::{Builtin, StackedKind, StackedObjects},
     testing::suite::Trial,
@@ -18,7 +19,7 @@ fn stack(count: usize, kind: StackedKind, side: u32) -> (Scene, StereoCamera) {
 }
 
 fn pair(renderer: &mut Renderer, scene: &UploadedScene, camera: &StereoCamera, method: Method) -> StereoPair {
-    renderer.render(scene, camera, &Options::new(method).linear(true).count(true)).unwrap()
+    renderer.pair(scene, camera).options(&Options::new(method).linear(true).count(true)).read().wait().unwrap()
 }
 
 /// Colours, depths and ids of both views are the same, bit for bit; but for rounding where an adapter may contract.
@@ -46,7 +47,7 @@ fn a_list_shows_what_a_tree_shows_bit_for_bit() {
         shown += 1;
         scene.lights.truncate(2);
         let [list, tree] =
-            [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).unwrap());
+            [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).wait().unwrap());
         let [list, tree] = [list, tree].map(|scene| pair(&mut renderer, &scene, &camera, Method::Naive));
         assert_same(&list, &tree, exact, &name);
         assert!(list.statistics.left.primitive_tests >= tree.statistics.left.primitive_tests, "{name}");
@@ -66,7 +67,7 @@ fn methods_and_lanes_go_through_lists_too() {
         let exact = is_exact(&renderer);
         for (scene, camera) in [(&scene, &camera), (&three.0, &three.1)] {
             let [list, tree] =
-                [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(scene, build).unwrap());
+                [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(scene, build).wait().unwrap());
             let naive = pair(&mut renderer, &tree, camera, Method::Naive);
             for method in [Method::Naive, Method::BRACKET_RAYS] {
                 assert_same(
@@ -125,11 +126,11 @@ fn rays_are_tested_against_every_object_and_shadow_rays_until_one_is_met() {
     let mut renderer = renderer();
     for count in [3, 10, 57, 200] {
         let (scene, camera) = stack(count, StackedKind::Spheres, 64);
-        let uploaded = renderer.upload_with(&scene, BvhBuild::Flat).unwrap();
+        let uploaded = renderer.upload_with(&scene, BvhBuild::Flat).wait().unwrap();
         let found = pair(&mut renderer, &uploaded, &camera, Method::Naive);
         let mut dark = scene.clone();
         dark.lights.clear();
-        let uploaded = renderer.upload_with(&dark, BvhBuild::Flat).unwrap();
+        let uploaded = renderer.upload_with(&dark, BvhBuild::Flat).wait().unwrap();
         let unlit = pair(&mut renderer, &uploaded, &camera, Method::Naive);
         let of_eye = |statistics: &stereotrace::Statistics, eye: f32| -> Work {
             if eye < 0.0 { statistics.left } else { statistics.right }
@@ -161,10 +162,10 @@ fn t_buffers_and_shadow_buffers_over_lists_show_what_they_show_over_trees() {
     let exact = is_exact(&renderer);
     for (name, (scene, camera)) in &scenes {
         let [list, tree] =
-            [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(scene, build).unwrap());
+            [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(scene, build).wait().unwrap());
         let [rays, drawn] = [Visibility::Rays, Visibility::TBuffer].map(|visibility| {
             let options = Options::new(Method::Naive).visibility(visibility).linear(true).count(true);
-            renderer.render(&list, camera, &options).unwrap()
+            renderer.pair(&list, camera).options(&options).read().wait().unwrap()
         });
         assert_same(&drawn, &rays, exact, name);
         assert_same(&drawn, &pair(&mut renderer, &tree, camera, Method::Naive), exact, name);
@@ -177,7 +178,8 @@ fn t_buffers_and_shadow_buffers_over_lists_show_what_they_show_over_trees() {
         assert!(own < 5 * rays.rays.primary, "{name}: {own} tests of first hits");
         for rule in [ShadowRule::Object, ShadowRule::HYBRID] {
             let options = Options::new(Method::Naive).shadow_buffer(ShadowBuffer::new(40).rule(rule)).linear(true);
-            let [list, tree] = [&list, &tree].map(|scene| renderer.render(scene, camera, &options).unwrap());
+            let [list, tree] =
+                [&list, &tree].map(|scene| renderer.pair(scene, camera).options(&options).read().wait().unwrap());
             assert_same(&list, &tree, exact, &format!("{name}, {rule:?}"));
         }
     }
@@ -188,9 +190,11 @@ fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_erro
     let mut renderer = renderer();
     let exact = is_exact(&renderer);
     let (scene, camera) = stack(6000, StackedKind::Spheres, 24);
-    let [list, tree] = [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).unwrap());
+    let [list, tree] =
+        [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).wait().unwrap());
     // What is counted is one ray a lane, what is not is four on a software adapter.
-    let uncounted = renderer.render(&list, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
+    let uncounted =
+        renderer.pair(&list, &camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap();
     assert!(!uncounted.statistics.in_steps);
     let [list, tree] = [list, tree].map(|scene| pair(&mut renderer, &scene, &camera, Method::Naive));
     assert_same(&uncounted, &tree, exact, "6000 spheres, uncounted");
@@ -205,15 +209,16 @@ fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_erro
     scene.lights.extend(
         (1..10).map(|index| Light::point(lamp.position + 0.3 * f64::from(index) * DVec3::X, 0.2 * lamp.intensity)),
     );
-    let [list, tree] = [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).unwrap());
+    let [list, tree] =
+        [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).wait().unwrap());
     let [list, tree] = [list, tree].map(|scene| pair(&mut renderer, &scene, &camera, Method::Naive));
     assert_same(&list, &tree, exact, "6000 spheres, ten lamps");
     assert!(list.statistics.in_steps || !exact);
 
     let most = stack(BvhBuild::MAX_FLAT, StackedKind::Spheres, 8).0;
-    renderer.upload_with(&most, BvhBuild::Flat).unwrap();
+    renderer.upload_with(&most, BvhBuild::Flat).wait().unwrap();
     let over = stack(BvhBuild::MAX_FLAT + 1, StackedKind::Spheres, 8).0;
-    let error = renderer.upload_with(&over, BvhBuild::Flat).unwrap_err();
+    let error = renderer.upload_with(&over, BvhBuild::Flat).wait().unwrap_err();
     assert!(matches!(error, Error::Scene { .. }), "{error:?}");
     let message = error.to_string();
     assert!(message.contains("8193 primitives") && message.contains("8192") && message.contains("Flat"), "{message}");
@@ -223,16 +228,16 @@ fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_erro
 fn lists_of_what_moved_was_added_or_taken_for_a_tree_are_made_anew() {
     let (mut scene, camera) = stack(30, StackedKind::Triangles, 32);
     let mut renderer = renderer();
-    let mut list = renderer.upload_with(&scene, BvhBuild::Flat).unwrap();
+    let mut list = renderer.upload_with(&scene, BvhBuild::Flat).wait().unwrap();
     for step in 0..3 {
         match step {
             0 => scene.transform_object(4, &Affine3A::from_translation(Vec3::new(0.3, 0.1, 0.2))).unwrap(),
             1 => scene.add_sphere(Sphere::new(Vec3::new(0.2, 0.3, 0.5), 0.3, MaterialId(2))).unwrap(),
             _ => scene.lights[0].position.x += 2.0,
         }
-        renderer.update(&mut list, &scene, Update::Refit).unwrap();
+        renderer.update(&mut list, &scene, Update::Refit).wait().unwrap();
         let updated = pair(&mut renderer, &list, &camera, Method::Naive);
-        let anew = renderer.upload_with(&scene, BvhBuild::Flat).unwrap();
+        let anew = renderer.upload_with(&scene, BvhBuild::Flat).wait().unwrap();
         let anew = pair(&mut renderer, &anew, &camera, Method::Naive);
         assert_eq!((updated.left, updated.right), (anew.left, anew.right), "{step}");
         assert_eq!(updated.statistics.left, anew.statistics.left, "{step}");
@@ -240,7 +245,7 @@ fn lists_of_what_moved_was_added_or_taken_for_a_tree_are_made_anew() {
     // A list stays one: it tests as much as it did.
     let primary = 32 * 32 * scene.primitive_count() as u64;
     assert!(pair(&mut renderer, &list, &camera, Method::Naive).statistics.left.primitive_tests > primary);
-    renderer.update(&mut list, &scene, Update::Rebuild(BvhBuild::Fast)).unwrap();
+    renderer.update(&mut list, &scene, Update::Rebuild(BvhBuild::Fast)).wait().unwrap();
     assert!(pair(&mut renderer, &list, &camera, Method::Naive).statistics.left.primitive_tests < primary);
 }
 
@@ -252,7 +257,7 @@ fn copies_stay_in_a_list_and_the_smaller_id_still_wins() {
     let camera = Builtin::ThreeSpheres.camera(48, 32);
     let tree = render(&scene, &camera, Method::Naive);
     let mut renderer = renderer();
-    let list = renderer.upload_with(&scene, BvhBuild::Flat).unwrap();
+    let list = renderer.upload_with(&scene, BvhBuild::Flat).wait().unwrap();
     let list = pair(&mut renderer, &list, &camera, Method::Naive);
     assert_eq!(list.left.primitive, tree.left.primitive);
     assert!(!list.left.primitive.contains(&3) && list.left.primitive.contains(&0));

@@ -6,6 +6,7 @@ use crate::common;
 use common::{floor::floor, renderer};
 use stereotrace::{
     Finish, Light, Material, Method, Options, Renderer, Scene, Sky, Sphere, StereoCamera, View,
+    blocking::Wait,
     glam::{DVec3, Vec3},
     testing::cpu::{Eye, Frame},
 };
@@ -24,8 +25,8 @@ fn ball(material: Material) -> Scene {
 
 fn seen(renderer: &mut Renderer, scene: &Scene, options: &Options) -> View {
     let camera = StereoCamera::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO).size(49, 49).interaxial(0.0);
-    let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, &camera, &options.clone().linear(true)).unwrap().left
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    renderer.pair(&uploaded, &camera).options(&options.clone().linear(true)).read().wait().unwrap().left
 }
 
 #[test]
@@ -121,13 +122,18 @@ fn kernels_make_the_normalised_lobe_and_leave_mtls_as_it_is() {
         let lights: Vec<DVec3> = hemisphere(count).collect();
         let point = |to: &DVec3| Light::point((to * far).as_vec3(), Vec3::splat(each as f32));
         scene.lights = lights.iter().map(point).collect();
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         for degrees in [0.0, 45.0, 80.0] {
             let to_eye = towards(degrees);
             let eye = to_eye.as_vec3() * 8.0 + Vec3::Y;
             let camera = StereoCamera::look_at(eye, Vec3::Y).up(Vec3::Z).size(9, 9).vertical_fov_degrees(2.0);
             let camera = camera.interaxial(0.0);
-            let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
+            let pair = renderer
+                .pair(&uploaded, &camera)
+                .options(&Options::new(Method::Naive).linear(true))
+                .read()
+                .wait()
+                .unwrap();
             let frame = Frame::new(&camera.pose().unwrap());
             let mut most = 0.0_f64;
             for (index, color) in pair.left.linear.iter().enumerate() {

@@ -5,6 +5,7 @@ use crate::common;
 use common::{ball, random::Random, render, renderer};
 use stereotrace::{
     Light, Material, MaterialId, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera, StereoPair,
+    blocking::Wait,
     glam::{DVec3, Vec3},
     scene::builtin::Builtin,
 };
@@ -319,8 +320,15 @@ fn a_gradient_sky_runs_from_nadir_to_zenith() {
         let camera =
             StereoCamera::look_at(Vec3::ZERO, target).up(Vec3::Z).size(5, 5).vertical_fov_degrees(1.0).interaxial(0.0);
         let mut renderer = renderer();
-        let uploaded = renderer.upload(&scene).unwrap();
-        renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap().left.linear[12]
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        renderer
+            .pair(&uploaded, &camera)
+            .options(&Options::new(Method::Naive).linear(true))
+            .read()
+            .wait()
+            .unwrap()
+            .left
+            .linear[12]
     };
     for (target, expected) in [(Vec3::Y, [0.0, 1.0]), (-Vec3::Y, [1.0, 0.0]), (Vec3::X, [0.5, 0.5])] {
         let found = look(target);

@@ -6,7 +6,8 @@ use crate::common;
 
 use common::{render, renderer};
 use stereotrace::{
-    Method, Options,
+    Method,
+    blocking::Wait,
     output::{Anaglyph, Picture},
     scene::builtin::Builtin,
     wgpu,
@@ -64,8 +65,8 @@ fn the_hall_s_anaglyph_and_map_are_as_stored() {
 #[test]
 fn the_hall_s_right_view_by_the_default_method_is_as_stored() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
-    let pair = renderer.render(&uploaded, &Builtin::Hall.camera(192, 108), &Options::default()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
+    let pair = renderer.pair(&uploaded, &Builtin::Hall.camera(192, 108)).read().wait().unwrap();
     drop(renderer); // check asks for it
     // With five lights it pays on software adapters and on GPUs.
     assert_eq!(pair.statistics.method, Method::BRACKET);

@@ -6,15 +6,16 @@ use common::{folder::Folder, nearest::nearest, renderer};
 use stereotrace::{
     Builtin, Ellipsoid, Error, EyeTruth, GBuffer, GroundTruth, Light, MISS, Material, MaterialId, Mesh, Method,
     Occlusion, Options, Plane, Pose, Scene, Sphere, StereoCamera, StereoPair, View,
+    blocking::Wait,
     glam::{DVec3, Mat3, Vec3},
     output::{Batch, save_ids_pfm},
 };
 
 fn truth_of(scene: &Scene, camera: &StereoCamera) -> (StereoPair, GroundTruth) {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
-    let pair = renderer.render(&uploaded, camera, &Options::new(Method::BRACKET_RAYS)).unwrap();
-    let truth = renderer.ground_truth(&uploaded, scene, &pair).unwrap();
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    let pair = renderer.pair(&uploaded, camera).options(&Options::new(Method::BRACKET_RAYS)).read().wait().unwrap();
+    let truth = renderer.ground_truth(&uploaded, scene, &pair).wait().unwrap();
     (pair, truth)
 }
 
@@ -229,10 +230,10 @@ fn ids_are_the_scenes_own_and_normals_turn_with_the_camera() {
 fn what_no_ground_truth_can_be_made_of_is_refused_by_name() {
     let (scene, camera) = (Builtin::Fence.scene(), Builtin::Fence.camera(24, 16));
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let mut message = |scene: &Scene, options: &Options| {
-        let pair = renderer.render(&uploaded, &camera, options).unwrap();
-        renderer.ground_truth(&uploaded, scene, &pair).map_err(|error| error.to_string())
+        let pair = renderer.pair(&uploaded, &camera).options(options).read().wait().unwrap();
+        renderer.ground_truth(&uploaded, scene, &pair).wait().map_err(|error| error.to_string())
     };
     let naive = Options::new(Method::Naive);
     for g_buffer in [GBuffer::Depth, GBuffer::None] {

@@ -7,6 +7,7 @@ use common::{random::Random, renderer};
 use stereotrace::{
     Ellipsoid, Light, Material, MaterialId, Mesh, Method, Options, PixelSource, Scene, Sky, Sphere, StereoCamera,
     StereoPair, View,
+    blocking::Wait,
     glam::{Mat3, Quat, Vec3},
     testing::cpu::{Eye, Frame},
 };
@@ -181,10 +182,10 @@ fn acne_of_copies(pair: &StereoPair, truth: &[Seen], scene: &Scene) -> (usize, u
 fn faults(ground: Ground, judge: impl Fn(&Judged) -> Option<String>, boxes: bool) -> Vec<String> {
     let (scene, camera) = (ground.scene(boxes), ground.camera());
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let mut pair_by = |method: &str| {
         let method: Method = method.parse().unwrap();
-        renderer.render(&uploaded, &camera, &Options::new(method)).unwrap()
+        renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap()
     };
     let naive = pair_by("naive");
     let frame = Frame::new(&naive.pose);
@@ -322,8 +323,8 @@ fn a_wrong_pixel_a_wrong_depth_and_a_hole_are_seen() {
     let ground = Ground::Quad { half_side: 20.0, tilt_degrees: 0.0 };
     let (scene, camera) = (ground.scene(true), ground.camera());
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let pair = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
     let truth = Truth::new(&scene).view(&Frame::new(&pair.pose), Eye::Left);
     let judge = |view: &View| Judged::new(&pair, view, &truth, &scene, |_| true);
     let before = judge(&pair.left);

@@ -9,6 +9,7 @@ use common::{gpu, random::Random};
 use stereotrace::{
     Boxes, Fetch, MISS, MaterialId, Mesh, Method, Options, RaysPerLane, Renderer, Scene, Sphere, StereoCamera,
     StereoPair, Traversal,
+    blocking::Wait,
     glam::Vec3,
     testing::cpu::{Eye, Frame},
 };
@@ -78,8 +79,8 @@ fn renderer(boxes: Boxes) -> Renderer {
 }
 
 fn counted(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
-    let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, &Options::new(method).count(true)).unwrap()
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    renderer.pair(&uploaded, camera).options(&Options::new(method).count(true)).read().wait().unwrap()
 }
 
 /// Pixels that do not show what double precision sees along their rays, but for those within a hundredth of a pixel of
@@ -127,15 +128,16 @@ fn pebbles_on_a_huge_ground_cost_no_more_tests_than_on_a_small_one() {
             assert_eq!(wrong_hits(&small, &pair), 0, "{kind:?} on ±1 by {name}");
             for half_side in [100.0, 1e4, 1e5, 1e6] {
                 let huge = pebbles(kind, half_side);
-                let uploaded = renderer.upload(&huge).unwrap();
-                let pair = match renderer.render(&uploaded, &camera, &Options::new(method).count(true)) {
-                    Ok(pair) => pair,
-                    Err(error) => {
-                        println!("{kind:?} on ±{half_side} by {name}: {error}");
-                        red.push(format!("{kind:?} on ±{half_side} by {name}: {error}"));
-                        continue;
-                    }
-                };
+                let uploaded = renderer.upload(&huge).wait().unwrap();
+                let pair =
+                    match renderer.pair(&uploaded, &camera).options(&Options::new(method).count(true)).read().wait() {
+                        Ok(pair) => pair,
+                        Err(error) => {
+                            println!("{kind:?} on ±{half_side} by {name}: {error}");
+                            red.push(format!("{kind:?} on ±{half_side} by {name}: {error}"));
+                            continue;
+                        }
+                    };
                 let [huge_left, huge_right] = tests_per_ray(&pair);
                 let ratios = [huge_left / left, huge_right / right];
                 let wrong = wrong_hits(&huge, &pair);
@@ -162,7 +164,7 @@ fn pebbles_on_a_huge_ground_cost_no_more_tests_than_on_a_small_one() {
 fn fault(name: &str, scene: &Scene, camera: &StereoCamera, expected: impl Fn(&StereoPair) -> bool) -> Option<String> {
     let mut renderer = renderer(Boxes::F32);
     let started = Instant::now();
-    let uploaded = match renderer.upload(scene) {
+    let uploaded = match renderer.upload(scene).wait() {
         Ok(uploaded) => uploaded,
         Err(error) => return Some(format!("{name}: refused after {:.1?}: {error}", started.elapsed())),
     };
@@ -173,7 +175,7 @@ fn fault(name: &str, scene: &Scene, camera: &StereoCamera, expected: impl Fn(&St
     }
     for method in [Method::Naive, Method::BRACKET] {
         let started = Instant::now();
-        match renderer.render(&uploaded, camera, &Options::new(method)) {
+        match renderer.pair(&uploaded, camera).options(&Options::new(method)).read().wait() {
             Ok(pair) if expected(&pair) => {}
             Ok(_) => faults.push(format!("{method} sees other primitives")),
             Err(error) => faults.push(format!("{method}: {error}")),

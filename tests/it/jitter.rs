@@ -9,8 +9,8 @@ use common::{
     sampling::{self, weight},
 };
 use stereotrace::{
-    Error, Filter, GBuffer, Material, Mesh, Method, Options, Rig, Scene, Sky, StereoCamera, View, glam::Vec3,
-    testing::suite::Trial,
+    Error, Filter, GBuffer, Material, Mesh, Method, Options, Rig, Scene, Sky, StereoCamera, View, blocking::Wait,
+    glam::Vec3, testing::suite::Trial,
 };
 
 /// How far to the right of their cells' middles the samples of a row stand, of a cell, as docs/DESIGN.md has it.
@@ -76,7 +76,7 @@ fn an_edge_covers_what_the_documented_places_say_in_both_eyes() {
     let mut renderer = renderer();
     let size = [20, 15];
     for (angle, d) in [(0.0_f32, 0.1234), (0.07, 0.037), (1.570_796_4, 0.0067), (0.6, 0.211), (2.5, 0.111)] {
-        let uploaded = renderer.upload(&half_plane(angle, d)).unwrap();
+        let uploaded = renderer.upload(&half_plane(angle, d)).wait().unwrap();
         let (cos, sin) = (f64::from(angle.cos()), f64::from(angle.sin()));
         // 20 pixels of 0.2.
         let inside = |x: f64, y: f64| (x - 10.0) * 0.2 * cos - (y - 7.5) * 0.2 * sin - f64::from(d);
@@ -87,7 +87,7 @@ fn an_edge_covers_what_the_documented_places_say_in_both_eyes() {
             let options = options.seed(seed).linear(true).noise_by_view(true);
             let expected = filtered(size, (side, seed), filter, |x, y| f64::from(u8::from(inside(x, y) < 0.0)));
             let unsure = filtered(size, (side, seed), filter, |x, y| f64::from(u8::from(inside(x, y).abs() < 2e-6)));
-            let pair = renderer.render(&uploaded, &camera(size[0], size[1]), &options).unwrap();
+            let pair = renderer.pair(&uploaded, &camera(size[0], size[1])).options(&options).read().wait().unwrap();
             let mut cut = 0;
             for view in [&pair.left, &pair.right] {
                 for (place, color) in view.linear.iter().enumerate() {
@@ -112,9 +112,9 @@ fn an_upright_edge_has_as_many_levels_as_a_pixel_has_samples() {
         let mut levels = std::collections::BTreeSet::new();
         for step in 0..60 {
             // One pixel of 0.4 further to the right, in 60 steps.
-            let uploaded = renderer.upload(&half_plane(0.0, 0.001 + step as f32 * 0.4 / 60.0)).unwrap();
+            let uploaded = renderer.upload(&half_plane(0.0, 0.001 + step as f32 * 0.4 / 60.0)).wait().unwrap();
             let options = Options::new(Method::Naive).samples(side * side).jitter(jitter).linear(true);
-            let pair = renderer.render(&uploaded, &camera(10, 1), &options).unwrap();
+            let pair = renderer.pair(&uploaded, &camera(10, 1)).options(&options).read().wait().unwrap();
             levels.insert((9.0 * pair.left.linear[5][0]).round() as u32);
         }
         let expected = if jitter { Vec::from_iter(0..=9) } else { vec![0, 3, 6, 9] };
@@ -127,10 +127,10 @@ fn constants_stay_constant_by_every_filter() {
     let mut renderer = renderer();
     let mut empty = Scene::new();
     empty.sky = Sky::Constant(Vec3::new(0.3, 0.7, 0.01));
-    let uploaded = renderer.upload(&empty).unwrap();
+    let uploaded = renderer.upload(&empty).wait().unwrap();
     for (&filter, side) in Filter::ALL.iter().flat_map(|filter| (1..=8_u32).map(move |side| (filter, side))) {
         let options = Options::new(Method::Naive).samples(side * side).filter(filter).linear(true);
-        let pair = renderer.render(&uploaded, &camera(7, 5), &options).unwrap();
+        let pair = renderer.pair(&uploaded, &camera(7, 5)).options(&options).read().wait().unwrap();
         let off = |color: &[f32; 4]| (color[0] - 0.3).abs().max((color[1] - 0.7).abs()).max((color[2] - 0.01).abs());
         assert!(pair.left.linear.iter().all(|color| off(color) < 1e-6), "{filter} {side}: {:?}", pair.left.linear[0]);
     }
@@ -145,13 +145,13 @@ fn without_color(view: &View) -> View {
 #[test]
 fn depth_ids_and_sources_are_those_of_rays_through_the_pixels_centres() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let camera = camera(61, 40);
-    let one = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET)).unwrap();
+    let one = renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET)).read().wait().unwrap();
     for samples in [1, 4, 9] {
         let options = Options::new(Method::BRACKET).samples(samples);
-        let still = renderer.render(&uploaded, &camera, &options.clone().jitter(false)).unwrap();
-        let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+        let still = renderer.pair(&uploaded, &camera).options(&options.clone().jitter(false)).read().wait().unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         assert!(without_color(&pair.left) == without_color(&one.left), "{samples}");
         assert!(without_color(&pair.right) == without_color(&one.right), "{samples}");
         assert!(pair.source == one.source && pair.shadow_source == one.shadow_source, "{samples}");
@@ -161,7 +161,7 @@ fn depth_ids_and_sources_are_those_of_rays_through_the_pixels_centres() {
         assert_eq!(pair.statistics.left.rays.primary, rays);
         // Nobody asks for centres: then there are no rays through them.
         let colors = options.g_buffer(GBuffer::None);
-        let alone = renderer.render(&uploaded, &camera, &colors).unwrap();
+        let alone = renderer.pair(&uploaded, &camera).options(&colors).read().wait().unwrap();
         assert!(alone.left.rgba8 == pair.left.rgba8 && alone.right.rgba8 == pair.right.rgba8);
         assert_eq!(alone.statistics.left.rays.primary, 61 * 40 * u64::from(samples));
         assert_eq!((alone.source.len(), alone.left.depth.len()), (61 * 40, 0));
@@ -171,10 +171,10 @@ fn depth_ids_and_sources_are_those_of_rays_through_the_pixels_centres() {
 #[test]
 fn the_same_seed_makes_the_same_picture_and_another_one_another() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(5)).unwrap();
+    let uploaded = renderer.upload(&random_stage(5)).wait().unwrap();
     let mut picture = |seed, method| {
         let options = Options::new(method).samples(4).filter(Filter::Tent).seed(seed).linear(true);
-        renderer.render(&uploaded, &camera(61, 43), &options).unwrap()
+        renderer.pair(&uploaded, &camera(61, 43)).options(&options).read().wait().unwrap()
     };
     let [first, again, other] = [1, 1, 2].map(|seed| picture(seed, Method::BRACKET));
     assert!((&first.left, &first.right) == (&again.left, &again.right));
@@ -191,12 +191,13 @@ fn methods_that_agree_without_jitter_agree_with_it() {
     let scenes = [random_stage(6), Trial::Wires.scene(), Trial::Fence.scene()];
     let cameras = [camera(61, 43), Trial::Wires.camera(61, 43), Trial::Fence.camera(61, 43)];
     for (scene, camera) in scenes.iter().zip(cameras) {
-        let uploaded = renderer.upload(scene).unwrap();
+        let uploaded = renderer.upload(scene).wait().unwrap();
         let rig = Rig::at(camera, vec![-0.5, 0.5, 1.5, -1.5]).traced(vec![1]);
         for samples in [4, 9] {
             let mut of = |method| {
                 let options = Options::new(method).samples(samples).filter(Filter::Gauss).linear(true);
-                let views = renderer.render_views(&uploaded, &rig, &options.noise_by_view(true)).unwrap();
+                let views =
+                    renderer.views(&uploaded, &rig).options(&options.noise_by_view(true)).read().wait().unwrap();
                 Vec::from_iter(views.views.into_iter().map(|view| view.view))
             };
             let [naive, rays, scanline, sequential] =
@@ -214,10 +215,10 @@ fn methods_that_agree_without_jitter_agree_with_it() {
 #[test]
 fn methods_that_copy_are_as_wrong_as_without_jitter() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(7)).unwrap();
+    let uploaded = renderer.upload(&random_stage(7)).wait().unwrap();
     let mut picture = |method, jitter| {
         let options = Options::new(method).samples(9).jitter(jitter).linear(true);
-        renderer.render(&uploaded, &camera(61, 43), &options).unwrap().right.linear
+        renderer.pair(&uploaded, &camera(61, 43)).options(&options).read().wait().unwrap().right.linear
     };
     let naive = [false, true].map(|jitter| picture(Method::Naive, jitter));
     for &method in Method::ALL.iter().filter(|&&method| method != Method::Ideal) {
@@ -233,10 +234,11 @@ fn methods_that_copy_are_as_wrong_as_without_jitter() {
 #[test]
 fn centres_that_fill_memory_are_refused_with_a_remedy() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&Scene::new()).unwrap();
+    let uploaded = renderer.upload(&Scene::new()).wait().unwrap();
     let camera = camera(20_000, 20_000).screen_width(40.0).screen_distance(5.0);
     let options = Options::new(Method::Naive).samples(9);
-    let error = renderer.render_rows(&uploaded, &Rig::pair(camera), &options, &mut |_| Ok(())).unwrap_err();
+    let error =
+        renderer.views(&uploaded, &Rig::pair(camera)).options(&options).rows(&mut |_| Ok(())).wait().unwrap_err();
     let message = error.to_string();
     assert!(
         matches!(error, Error::Limit { .. }) && message.ends_with("without jitter, or only colours (GBuffer::None)"),

@@ -5,7 +5,7 @@ use crate::common;
 use common::renderer;
 use stereotrace::{
     Ellipsoid, Error, Light, Material, MaterialId, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera, Tone,
-    glam::Vec3, scene::builtin::Builtin, testing::cpu::intersect::closest_hit,
+    blocking::Wait, glam::Vec3, scene::builtin::Builtin, testing::cpu::intersect::closest_hit,
 };
 
 #[test]
@@ -14,7 +14,9 @@ fn negative_light_and_reflectance_are_refused_by_name() {
     let refused = |element: &str, reason: &str, spoil: &dyn Fn(&mut Scene)| {
         let mut scene = Scene::new();
         spoil(&mut scene);
-        let Err(error @ Error::Scene { .. }) = renderer().upload(&scene) else { panic!("{element} is not refused") };
+        let Err(error @ Error::Scene { .. }) = renderer().upload(&scene).wait() else {
+            panic!("{element} is not refused")
+        };
         let expected =
             format!("invalid scene: {element}: {reason} is [0.5, -0.1, 0.5]; it must be finite and not negative");
         assert_eq!(error.to_string(), expected);
@@ -31,7 +33,7 @@ fn negative_light_and_reflectance_are_refused_by_name() {
     let mut scene = Scene::new();
     scene.ambient = Some(Vec3::NEG_ONE * 0.0); // no less than nothing
     scene.lights.push(Light::point(light.position, Vec3::ONE));
-    assert!(renderer().upload(&scene).is_ok());
+    assert!(renderer().upload(&scene).wait().is_ok());
 }
 
 /// A grey ground, level at y = 0, under the camera.
@@ -155,7 +157,7 @@ fn pictures_show_linear_light_exposed_and_clamped_or_bent() {
     let (mut scene, camera) = (Builtin::Spheres.scene(), Builtin::Spheres.camera(64, 48));
     scene.lights.iter_mut().for_each(|light| light.intensity *= 3.0);
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let encoded = |linear: f64| {
         let srgb = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
         255.0 * srgb
@@ -170,7 +172,7 @@ fn pictures_show_linear_light_exposed_and_clamped_or_bent() {
     ] {
         for method in [Method::Naive, Method::BRACKET, Method::ATOMIC] {
             let options = Options::new(method).linear(true).exposure(stops).tone(tone).samples(samples);
-            let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+            let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
             for view in [&pair.left, &pair.right] {
                 assert!(view.linear.iter().any(|color| color[0] > 1.5), "light is as bright as it comes");
                 for (color, shown) in view.linear.iter().zip(&view.rgba8) {
@@ -187,7 +189,13 @@ fn pictures_show_linear_light_exposed_and_clamped_or_bent() {
         }
     }
     for stops in [f32::NAN, 65.0, f32::INFINITY] {
-        let error = renderer.render(&uploaded, &camera, &Options::default().exposure(stops)).unwrap_err().to_string();
+        let error = renderer
+            .pair(&uploaded, &camera)
+            .options(&Options::default().exposure(stops))
+            .read()
+            .wait()
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("exposure") && error.contains("it must be -64 to 64 stops"), "{error}");
     }
 }

@@ -3,7 +3,9 @@
 use crate::common;
 
 use common::{device, gpu};
-use stereotrace::{Error, Fetch, Gpu, Method, Options, Renderer, Traversal, scene::builtin::Builtin, wgpu};
+use stereotrace::{
+    Error, Fetch, Gpu, Method, Options, Renderer, Traversal, blocking::Wait, scene::builtin::Builtin, wgpu,
+};
 
 /// A limit by name, and its place.
 type Limit = (&'static str, fn(&mut wgpu::Limits) -> &mut u32);
@@ -60,9 +62,10 @@ fn renders_the_same(limits: &wgpu::Limits) {
         let traversal = Traversal::of(&own).fetch(fetch);
         let [expected, found] = [&own, &theirs].map(|gpu| {
             let mut renderer = Renderer::with_traversal(gpu.clone(), traversal);
-            let uploaded = renderer.upload(&scene).unwrap();
+            let uploaded = renderer.upload(&scene).wait().unwrap();
             assert_eq!(uploaded.info().traversal.fetch, fetch);
-            let mut render = |method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+            let mut render =
+                |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
             [Method::Naive, Method::default(), Method::BRACKET].map(|method| {
                 let pair = render(method);
                 (pair.left, pair.right)

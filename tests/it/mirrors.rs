@@ -6,6 +6,7 @@ use common::{renderer, renderer_by, traversals};
 use stereotrace::{
     Finish, GBuffer, MAX_BOUNCES, Material, Mesh, Method, Options, RaysPerLane, Scene, Sky, Sphere, StereoCamera,
     StereoPair,
+    blocking::Wait,
     glam::{DVec3, Vec3},
     scene::builtin::Builtin,
 };
@@ -109,8 +110,8 @@ fn seen(balls: &[Ball], origin: DVec3, direction: DVec3, left: u32) -> DVec3 {
 
 fn render(scene: &Scene, camera: &StereoCamera, options: Options) -> StereoPair {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, &options.linear(true)).unwrap()
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    renderer.pair(&uploaded, camera).options(&options.linear(true)).read().wait().unwrap()
 }
 
 #[test]
@@ -188,8 +189,10 @@ fn the_second_eye_sends_its_own_rays_by_every_method_and_traversal() {
     let mut first: Option<StereoPair> = None;
     for traversal in traversals() {
         let mut renderer = renderer_by(traversal);
-        let uploaded = renderer.upload(&scene).unwrap();
-        let mut render = |method| renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let mut render = |method| {
+            renderer.pair(&uploaded, &camera).options(&Options::new(method).linear(true)).read().wait().unwrap()
+        };
         let naive = render(Method::Naive);
         let rays = render(Method::BRACKET_RAYS);
         assert!((&naive.left, &naive.right) == (&rays.left, &rays.right), "{traversal:?}");
@@ -304,20 +307,20 @@ fn veils_mix_with_what_is_behind_and_mirrors_in_mirrors_end() {
     nothing.add_material(Material::new(Vec3::ZERO).finish(glass(1.5, true)));
     assert_eq!(render(&nothing, &camera, Options::default()).statistics.right.rays.secondary, 0);
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let options = Options::default().bounces(MAX_BOUNCES + 1);
-    let message = renderer.render(&uploaded, &camera, &options).unwrap_err().to_string();
+    let message = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err().to_string();
     assert_eq!(message, "invalid options: bounces: 9; it must be 0 to 8");
 }
 
 #[test]
 fn rays_that_mirrors_and_glass_send_on_are_summed_too() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Random125Both.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Random125Both.scene()).wait().unwrap();
     let camera = Builtin::Random125Both.camera(41, 30);
     let mut rays = |samples, g_buffer| {
         let options = Options::new(Method::BRACKET).samples(samples).g_buffer(g_buffer);
-        renderer.render(&uploaded, &camera, &options).unwrap().statistics.right.rays
+        renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap().statistics.right.rays
     };
     // Of an even grid a picture of one sample is rendered besides, for what pixels' centres show.
     let (both, grid, centres) = (rays(4, GBuffer::Ids), rays(4, GBuffer::None), rays(1, GBuffer::Ids));

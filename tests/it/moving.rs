@@ -7,6 +7,7 @@ use common::{ball, gpu, renderer, renderer_by};
 use stereotrace::{
     Boxes, BvhBuild, Error, Fetch, Gpu, Light, Material, MaterialId, Mesh, Method, Options, RaysPerLane, Renderer,
     Scene, Sky, SkyMap, Sphere, StereoCamera, Traversal, Update,
+    blocking::Wait,
     glam::{Affine3A, Quat, Vec3},
 };
 
@@ -114,7 +115,7 @@ const CHANGES: &[Change] = &[
 
 /// What a method shows, and where from.
 fn shown(renderer: &mut Renderer, scene: &stereotrace::UploadedScene, method: Method) -> impl PartialEq + use<> {
-    let pair = renderer.render(scene, &camera(), &Options::new(method).linear(true)).unwrap();
+    let pair = renderer.pair(scene, &camera()).options(&Options::new(method).linear(true)).read().wait().unwrap();
     (pair.left, pair.right)
 }
 
@@ -125,7 +126,7 @@ fn assert_as_new(
     methods: &[Method],
     what: &str,
 ) {
-    let new = renderer.upload(scene).unwrap();
+    let new = renderer.upload(scene).wait().unwrap();
     for &method in methods {
         let (found, expected) = (shown(renderer, uploaded, method), shown(renderer, &new, method));
         assert!(found == expected, "{what}: {method}");
@@ -141,11 +142,11 @@ fn go_through(changes: &[Change], traversal: Traversal, methods: &[Method]) {
     let mut renderer = renderer_by(traversal);
     let mut scene = scene();
     let hows = [Update::Refit, Update::Rebuild(BvhBuild::Fast)];
-    let mut states = hows.map(|how| (how, renderer.upload(&scene).unwrap()));
+    let mut states = hows.map(|how| (how, renderer.upload(&scene).wait().unwrap()));
     for (name, change) in changes {
         change(&mut scene);
         for (how, uploaded) in &mut states {
-            renderer.update(uploaded, &scene, *how).unwrap();
+            renderer.update(uploaded, &scene, *how).wait().unwrap();
             assert_as_new(&mut renderer, uploaded, &scene, methods, &format!("{name}, {how:?}, {traversal}"));
         }
     }
@@ -178,9 +179,9 @@ fn a_scene_that_grows_and_shrinks_is_rebuilt_into_what_room_there_is() {
     let mut renderer = renderer();
     let (mut scene, mut skies) =
         (scene(), [64, 256].map(|width| Sky::Map(SkyMap::procedural(width).unwrap())).into_iter());
-    let mut uploaded = renderer.upload(&scene).unwrap();
+    let mut uploaded = renderer.upload(&scene).wait().unwrap();
     let mut update = |scene: &Scene, how, what: &str| {
-        renderer.update(&mut uploaded, scene, how).unwrap();
+        renderer.update(&mut uploaded, scene, how).wait().unwrap();
         assert_as_new(&mut renderer, &uploaded, scene, &[Method::Naive, Method::BRACKET], what);
     };
     let build = Update::Rebuild(BvhBuild::Balanced);
@@ -219,7 +220,7 @@ fn refusal(result: Result<(), Error>) -> String {
 fn a_refit_refuses_what_its_tree_does_not_hold_and_leaves_the_scene_as_it_was() {
     let mut renderer = renderer();
     let before = scene();
-    let mut uploaded = renderer.upload(&before).unwrap();
+    let mut uploaded = renderer.upload(&before).wait().unwrap();
     let cases: [Refused; 3] = [
         (
             |scene| scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, MaterialId(0))).unwrap(),
@@ -238,11 +239,11 @@ fn a_refit_refuses_what_its_tree_does_not_hold_and_leaves_the_scene_as_it_was() 
     for (change, words) in cases {
         let mut changed = before.clone();
         change(&mut changed);
-        let message = refusal(renderer.update(&mut uploaded, &changed, Update::Refit));
+        let message = refusal(renderer.update(&mut uploaded, &changed, Update::Refit).wait());
         assert!(message.contains(words), "{message}");
         assert_as_new(&mut renderer, &uploaded, &before, &[Method::Naive], words);
-        let mut rebuilt = renderer.upload(&before).unwrap();
-        renderer.update(&mut rebuilt, &changed, Update::Rebuild(BvhBuild::Balanced)).unwrap();
+        let mut rebuilt = renderer.upload(&before).wait().unwrap();
+        renderer.update(&mut rebuilt, &changed, Update::Rebuild(BvhBuild::Balanced)).wait().unwrap();
         assert_as_new(&mut renderer, &rebuilt, &changed, &[Method::Naive], words);
     }
 }
@@ -254,18 +255,18 @@ fn copies_are_refitted_as_long_as_they_are_copies() {
     let mut scene = scene();
     scene.add_mesh(&flat()).unwrap();
     let copy = SMOOTH + 1;
-    let mut uploaded = renderer.upload(&scene).unwrap();
+    let mut uploaded = renderer.upload(&scene).wait().unwrap();
     for object in [FLAT, copy] {
         scene.transform_object(object, &shift(0.3, 0.4, 0.5)).unwrap();
     }
-    renderer.update(&mut uploaded, &scene, Update::Refit).unwrap();
+    renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
     assert_as_new(&mut renderer, &uploaded, &scene, &[Method::Naive, Method::BRACKET], "both move");
     scene.transform_object(copy, &shift(0.0, 0.0, 0.01)).unwrap();
-    let message = refusal(renderer.update(&mut uploaded, &scene, Update::Refit));
+    let message = refusal(renderer.update(&mut uploaded, &scene, Update::Refit).wait());
     assert!(message.contains("because it was an exact copy of primitive "), "{message}");
     // What a copy without area was a copy of may be anywhere.
     scene.transform_object(copy, &Affine3A::from_scale(Vec3::ZERO)).unwrap();
-    renderer.update(&mut uploaded, &scene, Update::Refit).unwrap();
+    renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
     assert_as_new(&mut renderer, &uploaded, &scene, &[Method::Naive, Method::BRACKET], "the copy shrinks");
 }
 
@@ -273,12 +274,12 @@ fn copies_are_refitted_as_long_as_they_are_copies() {
 fn what_is_wrong_with_a_scene_or_its_device_is_said_by_an_update_too() {
     let renderer = renderer();
     let mut scene = scene();
-    let mut uploaded = renderer.upload(&scene).unwrap();
-    let other = Renderer::new(Gpu::open("software").unwrap());
-    assert!(matches!(other.update(&mut uploaded, &scene, Update::Refit), Err(Error::ForeignScene)));
+    let mut uploaded = renderer.upload(&scene).wait().unwrap();
+    let other = Renderer::new(Gpu::open("software").wait().unwrap());
+    assert!(matches!(other.update(&mut uploaded, &scene, Update::Refit).wait(), Err(Error::ForeignScene)));
     scene.lights[0].intensity.x = f32::NAN;
     for how in [Update::Refit, Update::Rebuild(BvhBuild::Fast)] {
-        let message = renderer.update(&mut uploaded, &scene, how).unwrap_err().to_string();
+        let message = renderer.update(&mut uploaded, &scene, how).wait().unwrap_err().to_string();
         assert!(message.contains("light 0"), "{message}");
     }
 }

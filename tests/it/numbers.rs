@@ -8,6 +8,7 @@ use common::renderer;
 use stereotrace::{
     BufferDepth, Check, Error, Light, MISS, MaterialId, Mesh, Method, Options, Ray, Scene, SkyMap, Sphere,
     StereoCamera,
+    blocking::Wait,
     camera::MAX_SIDE,
     glam::Vec3,
     output::{save_ids_pfm, save_pfm},
@@ -41,7 +42,7 @@ const NUMBERS: [f32; 16] = [
 #[test]
 fn any_number_makes_a_camera_a_picture_or_an_error_that_names_the_field() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Near.scene()).wait().unwrap();
     let setters: [fn(StereoCamera, f32) -> StereoCamera; 8] = [
         |camera, number| camera.eye(Vec3::new(number, 0.0, 1.0)),
         |camera, number| camera.target(Vec3::new(0.0, number, 0.0)),
@@ -58,7 +59,7 @@ fn any_number_makes_a_camera_a_picture_or_an_error_that_names_the_field() {
     let cameras = setters.iter().flat_map(|set| NUMBERS.map(|number| set(base, number))).chain(NUMBERS.map(bounds));
     let mut refused = 0;
     for camera in cameras {
-        match renderer.render(&uploaded, &camera, &Options::default()) {
+        match renderer.pair(&uploaded, &camera).read().wait() {
             Ok(pair) => assert_eq!(pair.right.rgba8.len(), 63, "{camera:?}"),
             Err(Error::Camera { .. }) => refused += 1,
             Err(error) => panic!("{camera:?}: {error}"),
@@ -70,7 +71,7 @@ fn any_number_makes_a_camera_a_picture_or_an_error_that_names_the_field() {
 #[test]
 fn any_size_makes_a_picture_or_an_error() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Near.scene()).wait().unwrap();
     let sides = [0, 1, 2, 65_536, MAX_SIDE, MAX_SIDE + 1, u32::MAX - 6, u32::MAX];
     for (width, height) in sides.iter().flat_map(|&width| sides.map(|height| (width, height))) {
         let valid = width.min(height) > 0 && width.max(height) <= MAX_SIDE;
@@ -90,7 +91,8 @@ fn any_size_makes_a_picture_or_an_error() {
             }
             for method in [Method::Naive, Method::default(), Method::BUFFER, Method::ES_ISLER] {
                 for options in [Options::new(method), Options::new(method).cost_map(true)] {
-                    let error = renderer.render(&uploaded, &camera, &options).unwrap_err().to_string();
+                    let error =
+                        renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err().to_string();
                     assert!(error.contains(&format!("{width}x{height}")), "{error}");
                 }
             }
@@ -137,13 +139,13 @@ fn more_lights_than_a_scene_can_have_are_refused() {
     }
     assert_eq!(scene.lights.len(), 5, "a refused number changes nothing");
     scene.lights = vec![Light::point(Vec3::Y, Vec3::ZERO); MAX_LIGHTS + 1];
-    assert!(renderer().upload(&scene).unwrap_err().to_string().contains("1048577 lights"));
+    assert!(renderer().upload(&scene).wait().unwrap_err().to_string().contains("1048577 lights"));
 }
 
 #[test]
 fn any_number_makes_a_ray_an_answer_or_an_error() {
     let renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Near.scene()).wait().unwrap();
     for number in NUMBERS {
         let rays = [
             Ray::new(Vec3::ZERO, Vec3::new(number, 0.0, 0.0)),
@@ -151,12 +153,12 @@ fn any_number_makes_a_ray_an_answer_or_an_error() {
             Ray::new(Vec3::ZERO, -Vec3::Z).t_max(number),
         ];
         for ray in rays {
-            match renderer.closest_hits(&uploaded, &[ray]) {
+            match renderer.closest_hits(&uploaded, &[ray]).wait() {
                 Ok(cast) => assert!(!cast.hits[0].t.is_nan(), "{ray:?}"),
                 Err(error) => assert!(matches!(error, Error::Ray { .. }), "{error}"),
             }
         }
-        let error = renderer.any_hits(&uploaded, &[Ray::new(Vec3::splat(number), -Vec3::Z)]).err();
+        let error = renderer.any_hits(&uploaded, &[Ray::new(Vec3::splat(number), -Vec3::Z)]).wait().err();
         assert_eq!(error.is_some(), !number.is_finite(), "{number}");
     }
 }
@@ -164,11 +166,11 @@ fn any_number_makes_a_ray_an_answer_or_an_error() {
 #[test]
 fn any_depth_of_the_buffer_renders() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Near.scene()).wait().unwrap();
     for slots in [1, 2, u32::MAX] {
         let depth = BufferDepth::Fixed(NonZeroU32::new(slots).unwrap());
         let options = Options::new(Method::Buffer(depth, Check::All));
-        let pair = renderer.render(&uploaded, &Builtin::Near.camera(9, 7), &options).unwrap();
+        let pair = renderer.pair(&uploaded, &Builtin::Near.camera(9, 7)).options(&options).read().wait().unwrap();
         assert_eq!(pair.statistics.buffer_depth, slots.min(9));
     }
 }

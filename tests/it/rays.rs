@@ -5,6 +5,7 @@ use crate::common;
 use common::{RandomScene, ball, gpu, is_exact, random::Random, renderer, renderer_by};
 use stereotrace::{
     Error, FAR, MISS, Mesh, Method, Options, Ray, RayHit, Renderer, Scene, StereoCamera, Traversal,
+    blocking::Wait,
     glam::{Quat, Vec3},
     testing::cpu::{Eye, Frame, intersect::closest_hit},
 };
@@ -78,14 +79,14 @@ fn every_variant_hits_what_a_search_through_all_primitives_hits() {
         for &traversal in Traversal::ALL {
             let renderer = renderer_by(traversal);
             let exact = is_exact(&renderer);
-            let uploaded = renderer.upload(&scene).unwrap();
+            let uploaded = renderer.upload(&scene).wait().unwrap();
             for (list, expected) in lists.iter().zip(&expected) {
                 let what = format!(
                     "{} rays, {traversal:?}, scale {scale}, offset {offset}, {ellipsoids} ellipsoids",
                     list.kind
                 );
-                let closest = renderer.closest_hits(&uploaded, &list.rays).unwrap().hits;
-                let any = renderer.any_hits(&uploaded, &list.rays).unwrap().hits;
+                let closest = renderer.closest_hits(&uploaded, &list.rays).wait().unwrap().hits;
+                let any = renderer.any_hits(&uploaded, &list.rays).wait().unwrap().hits;
                 assert!(expected.iter().any(|hit| hit.1 != MISS), "{what}: nothing is hit");
                 assert!(expected.iter().any(|hit| hit.1 == MISS), "{what}: everything is hit");
                 let same = |(found, expected): &(&RayHit, &(f32, u32))| (found.t, found.primitive) == **expected;
@@ -135,8 +136,8 @@ fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
         let expected: Vec<u32> = rays.iter().map(|ray| closest_hit(&scene, eye, ray.direction, 0.0, FAR).1).collect();
         for &traversal in Traversal::ALL {
             let renderer = renderer_by(traversal);
-            let uploaded = renderer.upload(&scene).unwrap();
-            let found = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
+            let uploaded = renderer.upload(&scene).wait().unwrap();
+            let found = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
             let lost = found.iter().zip(&expected).filter(|(hit, id)| hit.primitive == MISS && **id != MISS).count();
             assert_eq!(lost, 0, "{traversal:?}, scale {scale}, offset {offset}, far off {far_off}");
             if is_exact(&renderer) {
@@ -152,16 +153,16 @@ fn a_list_equals_the_picture_and_keeps_its_order() {
     let scene = RandomScene::default().build();
     let camera = StereoCamera::look_at(3.0 * Vec3::Z, Vec3::ZERO).size(33, 21);
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let pair = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
     let frame = Frame::new(&pair.pose);
     let eye = frame.eye(Eye::Left);
     let rays: Vec<Ray> = (0..33 * 21).map(|i| Ray::new(eye, frame.direction(Eye::Left, i % 33, i / 33))).collect();
-    let cast = renderer.closest_hits(&uploaded, &rays).unwrap();
+    let cast = renderer.closest_hits(&uploaded, &rays).wait().unwrap();
     let found: Vec<_> = cast.hits.iter().map(|hit| (hit.t, hit.primitive)).collect();
     let seen: Vec<_> = pair.left.depth.iter().copied().zip(pair.left.primitive.iter().copied()).collect();
     assert!(found == seen || !is_exact(&renderer));
-    assert!(renderer.closest_hits(&uploaded, &[]).unwrap().hits.is_empty());
+    assert!(renderer.closest_hits(&uploaded, &[]).wait().unwrap().hits.is_empty());
 }
 
 #[test]
@@ -172,7 +173,7 @@ fn rays_from_many_points_close_to_a_large_ground_meet_it_where_it_is() {
     let mut scene = Scene::new();
     scene.add_mesh(&Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     let renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let mut random = Random::new(12);
     let mut worst = 0.0_f64;
     for origins in [1, 64, 500] {
@@ -181,7 +182,7 @@ fn rays_from_many_points_close_to_a_large_ground_meet_it_where_it_is() {
             Ray::new(tilt * Vec3::new(place, 1.5, 3.0 * place), random.point(1.0) - 2.0 * (tilt * Vec3::Y))
         };
         let rays: Vec<Ray> = (0..500).map(ray).collect();
-        for (ray, hit) in rays.iter().zip(renderer.closest_hits(&uploaded, &rays).unwrap().hits) {
+        for (ray, hit) in rays.iter().zip(renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits) {
             let [a, b, c] = scene.triangles()[hit.primitive as usize].corners.map(Vec3::as_dvec3);
             let normal = (b - a).cross(c - a);
             let t = normal.dot(a - ray.origin) / normal.dot(ray.direction.as_dvec3());
@@ -199,10 +200,10 @@ fn one_renderer_casts_for_several_threads() {
     let rays: Vec<Ray> = (0..1000).map(|_| Ray::new(3.0 * Vec3::Z, random.point(1.0) - Vec3::Z)).collect();
     // A new one: both threads ask for kernels that nobody has built.
     let renderer = Renderer::new(gpu());
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let cast = || {
-        let closest = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
-        (closest, renderer.any_hits(&uploaded, &rays).unwrap().hits)
+        let closest = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
+        (closest, renderer.any_hits(&uploaded, &rays).wait().unwrap().hits)
     };
     let found = std::thread::scope(|scope| {
         let threads = [scope.spawn(cast), scope.spawn(cast)];
@@ -214,7 +215,7 @@ fn one_renderer_casts_for_several_threads() {
 #[test]
 fn rays_without_direction_or_limits_are_named() {
     let renderer = renderer();
-    let uploaded = renderer.upload(&Scene::new()).unwrap();
+    let uploaded = renderer.upload(&Scene::new()).wait().unwrap();
     let good = Ray::new(Vec3::ZERO, Vec3::Z);
     for (bad, word) in [
         (Ray::new(Vec3::ZERO, Vec3::ZERO), "direction"),
@@ -223,8 +224,50 @@ fn rays_without_direction_or_limits_are_named() {
         (good.t_min(-1.0), "limits"),
         (good.t_max(f32::NAN), "limits"),
     ] {
-        let error = renderer.closest_hits(&uploaded, &[good, bad]).unwrap_err();
+        let error = renderer.closest_hits(&uploaded, &[good, bad]).wait().unwrap_err();
         let message = error.to_string();
         assert!(matches!(error, Error::Ray { index: 1, .. }) && message.contains(word), "{message}");
     }
+}
+
+#[test]
+fn surfaces_of_hits_are_those_of_the_points() {
+    let mut random = Random::new(71);
+    let mut scene = common::random_stage(6);
+    let material = scene.add_material(stereotrace::Material::new(Vec3::splat(0.3)));
+    let (center, radius) = (Vec3::new(0.3, 0.2, 0.5), 0.4);
+    scene.add_sphere(stereotrace::Sphere::new(center, radius, material)).unwrap();
+    scene.add_plane(stereotrace::Plane::new(-2.0 * Vec3::Y, Vec3::Y, material)).unwrap();
+    let renderer = renderer();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let eye = Vec3::new(0.0, 0.5, 5.0);
+    let rays: Vec<Ray> = (0..2000).map(|_| Ray::new(eye, random.point(2.0) - eye)).collect();
+    let hits = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
+    let (mut triangles, mut spheres, mut planes) = (0, 0, 0);
+    for (ray, hit) in rays.iter().zip(&hits) {
+        let Some(found) = scene.surface(ray, hit) else {
+            assert_eq!(hit.primitive, MISS);
+            continue;
+        };
+        let point = eye + hit.t * ray.direction;
+        assert_eq!(found.object, scene.object_of(hit.primitive));
+        assert!(found.geometric_normal.dot(ray.direction) <= 0.0 && found.geometric_normal.is_normalized());
+        if let Some(triangle) = scene.triangles().get(hit.primitive as usize) {
+            let weights = found.barycentric.unwrap();
+            let same: Vec3 = triangle.corners.iter().zip(weights).map(|(corner, weight)| weight * *corner).sum();
+            assert!((same - point).length() < 1e-5 * point.distance(eye), "{same} {point}");
+            assert_eq!(found.material, triangle.material);
+            triangles += 1;
+        } else if found.geometric_normal.y > 0.999_999 {
+            assert!((point.y + 2.0).abs() < 1e-5 && found.barycentric.is_none() && found.material == material);
+            planes += 1;
+        } else if scene.object_of(hit.primitive) + 2 == scene.object_count() as u32 {
+            assert!((found.shading_normal - (point - center) / radius).length() < 1e-5);
+            spheres += 1;
+        }
+    }
+    let counts = [triangles, spheres, planes];
+    assert!(counts.iter().all(|&count| count > 30), "{counts:?}");
+    let hit = hits.iter().find(|hit| hit.primitive != MISS).unwrap();
+    assert_eq!(Scene::new().surface(&rays[0], hit), None);
 }

@@ -5,7 +5,7 @@ use crate::common;
 use common::{gpu, random_stage, renderer};
 use stereotrace::{
     AmbientOcclusion, EncodedView, Error, GBuffer, Gpu, Light, Method, Options, Renderer, Rig, Rows, Scene, Sky,
-    StereoCamera, View, Visibility, glam::Vec3, wgpu,
+    StereoCamera, View, Visibility, blocking::Wait, glam::Vec3, wgpu,
 };
 
 /// Two bands of 64 rows, and 30 rows more.
@@ -19,16 +19,20 @@ fn camera() -> StereoCamera {
 #[test]
 fn rows_come_from_the_top_down_and_make_the_whole_views() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let rig = Rig::at(camera(), vec![-0.5, 0.5, 0.1]).traced(vec![0]);
     for method in [Method::Auto, Method::BRACKET, Method::VERIFIED, Method::ATOMIC, "buffer-edges".parse().unwrap()] {
         let options = Options::new(method).linear(true).cost_map(true);
-        let whole = renderer.render_views(&uploaded, &rig, &options).unwrap();
+        let whole = renderer.views(&uploaded, &rig).options(&options).read().wait().unwrap();
         let mut bands: Vec<Rows> = Vec::new();
-        let rest = renderer.render_rows(&uploaded, &rig, &options, &mut |rows| {
-            bands.push(rows);
-            Ok(())
-        });
+        let rest = renderer
+            .views(&uploaded, &rig)
+            .options(&options)
+            .rows(&mut |rows| {
+                bands.push(rows);
+                Ok(())
+            })
+            .wait();
         let rest = rest.unwrap();
         let firsts: Vec<u32> = bands.iter().map(|rows| rows.first).collect();
         assert_eq!(firsts, [0, 64, 128], "{method}");
@@ -49,28 +53,32 @@ fn rows_come_from_the_top_down_and_make_the_whole_views() {
 #[test]
 fn what_a_sink_returns_ends_the_frame_and_the_next_one_is_whole() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let options = Options::new(Method::BRACKET);
-    let expected = renderer.render(&uploaded, &camera(), &options).unwrap();
+    let expected = renderer.pair(&uploaded, &camera()).options(&options).read().wait().unwrap();
     let mut calls = 0;
-    let stopped = renderer.render_rows(&uploaded, &Rig::pair(camera()), &options, &mut |_| {
-        calls += 1;
-        Err(Error::Cancelled)
-    });
+    let stopped = renderer
+        .views(&uploaded, &Rig::pair(camera()))
+        .options(&options)
+        .rows(&mut |_| {
+            calls += 1;
+            Err(Error::Cancelled)
+        })
+        .wait();
     assert!(matches!(stopped, Err(Error::Cancelled)) && calls == 1, "{stopped:?} {calls}");
-    let again = renderer.render(&uploaded, &camera(), &options).unwrap();
+    let again = renderer.pair(&uploaded, &camera()).options(&options).read().wait().unwrap();
     assert!(again.right == expected.right && again.left == expected.left);
 }
 
 #[test]
 fn one_eye_is_a_rig_too() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let camera = camera().size(61, 40);
-    let mono = renderer.render_views(&uploaded, &Rig::row(camera, 1), &Options::default()).unwrap();
+    let mono = renderer.views(&uploaded, &Rig::row(camera, 1)).read().wait().unwrap();
     assert_eq!(mono.views.len(), 1);
     let centred = camera.interaxial(0.0);
-    let pair = renderer.render(&uploaded, &centred, &Options::new(Method::Naive)).unwrap();
+    let pair = renderer.pair(&uploaded, &centred).options(&Options::new(Method::Naive)).read().wait().unwrap();
     assert!(mono.views[0].view == pair.left);
     assert_eq!(mono.views[0].method, Method::Naive);
 }
@@ -113,9 +121,9 @@ fn encoded_views_are_those_that_are_read_back() {
     let gpu = gpu();
     let mut renderer = Renderer::new(gpu.clone());
     let mut scene = random_stage(4);
-    let by_points = renderer.upload(&scene).unwrap();
+    let by_points = renderer.upload(&scene).wait().unwrap();
     scene.lights.push(Light::sphere(Vec3::new(1.0, 4.0, 3.0), 0.3, Vec3::splat(0.3)));
-    let softly = renderer.upload(&scene).unwrap();
+    let softly = renderer.upload(&scene).wait().unwrap();
     let rig = Rig::pair(camera());
     let methods = [Method::Auto, Method::Naive, Method::Ideal, Method::VERIFIED, "atomic-edges".parse().unwrap()];
     for (uploaded, method) in methods.map(|method| (&by_points, method)).into_iter().chain([(&softly, Method::BRACKET)])
@@ -124,15 +132,20 @@ fn encoded_views_are_those_that_are_read_back() {
         for (g_buffer, way) in [(GBuffer::Depth, Visibility::Rays), (GBuffer::None, Visibility::Rays), drawn] {
             let options = Options::new(method).g_buffer(g_buffer).shadow_rays(20).visibility(way);
             let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let encoded = renderer.encode(uploaded, &rig, &options, &mut encoder).unwrap();
-            let (by_bands, commands) = renderer.encode_bands(uploaded, &rig, &options).unwrap();
+            let encoded = renderer.views(uploaded, &rig).options(&options).encode(&mut encoder).wait().unwrap();
+            let (by_bands, commands) = renderer.views(uploaded, &rig).options(&options).encode_bands().wait().unwrap();
             assert_eq!(commands.len(), 3, "{method}");
             // Another frame in between, of another size: what was encoded keeps what it needs.
             let other = camera().size(50, 41);
-            renderer.render(uploaded, &other, &Options::new(Method::BRACKET)).unwrap();
+            renderer.pair(uploaded, &other).options(&Options::new(Method::BRACKET)).read().wait().unwrap();
             gpu.queue().submit([encoder.finish()]);
             gpu.queue().submit(commands);
-            let pair = renderer.render(uploaded, &camera(), &options.clone().g_buffer(GBuffer::Depth)).unwrap();
+            let pair = renderer
+                .pair(uploaded, &camera())
+                .options(&options.clone().g_buffer(GBuffer::Depth))
+                .read()
+                .wait()
+                .unwrap();
             for encoded in [encoded, by_bands] {
                 assert_eq!(encoded.views[0].depth.is_some(), g_buffer == GBuffer::Depth);
                 assert_shows(&gpu, &encoded.views[0], &pair.left, &format!("{method} left"));
@@ -150,13 +163,14 @@ fn a_sky_alone_is_encoded_whole_in_every_band() {
     let mut renderer = Renderer::new(gpu.clone());
     let mut scene = Scene::new();
     scene.sky = Sky::Constant(Vec3::new(0.2, 0.5, 0.9));
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let camera = camera().size(300, 260);
     let options = Options::new(Method::Naive).g_buffer(GBuffer::Depth).occlusion(AmbientOcclusion::new(32, 1.0));
-    let (encoded, commands) = renderer.encode_bands(&uploaded, &Rig::pair(camera), &options).unwrap();
+    let (encoded, commands) =
+        renderer.views(&uploaded, &Rig::pair(camera)).options(&options).encode_bands().wait().unwrap();
     assert!(commands.len() > 1, "{}", commands.len());
     gpu.queue().submit(commands);
-    let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+    let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
     assert!(pair.left.rgba8.iter().all(|pixel| *pixel == pair.left.rgba8[0]));
     assert_shows(&gpu, &encoded.views[0], &pair.left, "left");
     assert_shows(&gpu, &encoded.views[1], &pair.right, "right");
@@ -166,10 +180,16 @@ fn a_sky_alone_is_encoded_whole_in_every_band() {
 fn what_cannot_be_encoded_is_refused_by_name() {
     let gpu = gpu();
     let mut renderer = Renderer::new(gpu.clone());
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let mut refused = |camera: StereoCamera, options: Options| {
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        renderer.encode(&uploaded, &Rig::pair(camera), &options, &mut encoder).unwrap_err().to_string()
+        renderer
+            .views(&uploaded, &Rig::pair(camera))
+            .options(&options)
+            .encode(&mut encoder)
+            .wait()
+            .unwrap_err()
+            .to_string()
     };
     let small = camera().size(64, 48);
     for method in ["buffer", "buffer-8", "adelson-hodges"] {

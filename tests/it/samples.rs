@@ -11,6 +11,7 @@ use common::{
 use stereotrace::{
     Error, Filter, GBuffer, Gpu, Material, Mesh, Method, Options, PixelSource, Renderer, Rig, Rows, Scene, Sky,
     StereoCamera, View,
+    blocking::Wait,
     glam::Vec3,
     output::{Anaglyph, Packing},
     wgpu,
@@ -71,15 +72,15 @@ fn centres<T: Copy>(samples: &View, side: u32, list: &[T]) -> Vec<T> {
 fn filtered_pictures_are_those_of_the_finer_picture() {
     // The finer pictures have several bands of 64 rows, and pixels whose samples stand in two of them.
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     for (side, size) in [(2, [2051, 71]), (3, [1367, 47])] {
         let finer = camera(side * size[0], side * size[1]);
         let options = Options::new(Method::BRACKET).linear(true);
-        let samples = renderer.render(&uploaded, &finer, &options).unwrap();
-        let one = renderer.render(&uploaded, &camera(size[0], size[1]), &options).unwrap();
+        let samples = renderer.pair(&uploaded, &finer).options(&options).read().wait().unwrap();
+        let one = renderer.pair(&uploaded, &camera(size[0], size[1])).options(&options).read().wait().unwrap();
         for &filter in Filter::ALL {
             let options = options.clone().samples(side * side).filter(filter).jitter(false);
-            let pair = renderer.render(&uploaded, &camera(size[0], size[1]), &options).unwrap();
+            let pair = renderer.pair(&uploaded, &camera(size[0], size[1])).options(&options).read().wait().unwrap();
             assert_eq!(pair.pose, one.pose);
             for (found, finer, one) in
                 [(&pair.left, &samples.left, &one.left), (&pair.right, &samples.right, &one.right)]
@@ -116,17 +117,21 @@ fn filtered_pictures_are_those_of_the_finer_picture() {
 #[test]
 fn rows_that_are_handed_on_make_the_whole_views() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(5)).unwrap();
+    let uploaded = renderer.upload(&random_stage(5)).wait().unwrap();
     let rig = Rig::at(camera(1051, 77), vec![-0.5, 0.5, 0.1]).traced(vec![0]);
     for (samples, g_buffer) in [(4, GBuffer::Ids), (9, GBuffer::Ids), (16, GBuffer::None)] {
         let options = Options::new(Method::Auto).samples(samples).filter(Filter::Gauss).linear(true).cost_map(true);
         let options = options.g_buffer(g_buffer);
-        let whole = renderer.render_views(&uploaded, &rig, &options).unwrap();
+        let whole = renderer.views(&uploaded, &rig).options(&options).read().wait().unwrap();
         let mut bands: Vec<Rows> = Vec::new();
-        let rest = renderer.render_rows(&uploaded, &rig, &options, &mut |rows| {
-            bands.push(rows);
-            Ok(())
-        });
+        let rest = renderer
+            .views(&uploaded, &rig)
+            .options(&options)
+            .rows(&mut |rows| {
+                bands.push(rows);
+                Ok(())
+            })
+            .wait();
         let rest = rest.unwrap();
         assert!(bands.len() > 1);
         for (index, view) in whole.views.iter().enumerate() {
@@ -162,16 +167,16 @@ fn rows_that_are_handed_on_make_the_whole_views() {
 #[test]
 fn every_method_is_filtered_and_exact_ones_stay_exact() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(6)).unwrap();
+    let uploaded = renderer.upload(&random_stage(6)).wait().unwrap();
     let rig = Rig::at(camera(61, 43), vec![-0.5, 0.5, 1.5, -1.5]).traced(vec![1]);
     let finer = Rig::at(camera(122, 86), vec![-0.5, 0.5, 1.5, -1.5]).traced(vec![1]);
     let mut naive = None;
     for &method in Method::ALL {
         let options = Options::new(method).linear(true);
         let filtering = options.clone().samples(4).filter(Filter::Tent).jitter(false);
-        let views = renderer.render_views(&uploaded, &rig, &filtering).unwrap();
-        let samples = renderer.render_views(&uploaded, &finer, &options).unwrap();
-        let one = renderer.render_views(&uploaded, &rig, &options).unwrap();
+        let views = renderer.views(&uploaded, &rig).options(&filtering).read().wait().unwrap();
+        let samples = renderer.views(&uploaded, &finer).options(&options).read().wait().unwrap();
+        let one = renderer.views(&uploaded, &rig).options(&options).read().wait().unwrap();
         for index in 0..4 {
             let (found, one) = (&views.views[index], &one.views[index]);
             let what = format!("{method}, view {index}");
@@ -211,10 +216,10 @@ fn straight(width: u32, height: u32) -> StereoCamera {
 fn a_box_is_the_share_of_samples_that_an_edge_covers() {
     let mut renderer = renderer();
     // 40 pixels of 0.1; edges at column 23.43 and row 14.71: no sample stands there.
-    let uploaded = renderer.upload(&half_planes(0.343, 0.529)).unwrap();
+    let uploaded = renderer.upload(&half_planes(0.343, 0.529)).wait().unwrap();
     for side in 2..=8_u32 {
         let options = Options::new(Method::Naive).samples(side * side).jitter(false).linear(true);
-        let pair = renderer.render(&uploaded, &straight(40, 40), &options).unwrap();
+        let pair = renderer.pair(&uploaded, &straight(40, 40)).options(&options).read().wait().unwrap();
         let part = |share: f64| (share * f64::from(side) - 0.5).ceil().max(0.0) / f64::from(side);
         let (across, down) = (part(0.43), 1.0 - part(0.71));
         for (place, color) in pair.left.linear.iter().enumerate() {
@@ -234,21 +239,21 @@ fn constants_stay_constant_and_edges_where_they_are() {
     let mut renderer = renderer();
     let mut empty = Scene::new();
     empty.sky = Sky::Constant(Vec3::new(0.3, 0.7, 0.01));
-    let empty = renderer.upload(&empty).unwrap();
+    let empty = renderer.upload(&empty).wait().unwrap();
     // Edges in the middle of the picture, which is a column's and a row's.
-    let edges = renderer.upload(&half_planes(0.0, 0.0)).unwrap();
+    let edges = renderer.upload(&half_planes(0.0, 0.0)).wait().unwrap();
     for (&filter, side) in Filter::ALL.iter().flat_map(|filter| (1..=5_u32).map(move |side| (filter, side))) {
         let options = Options::new(Method::Naive).samples(side * side).filter(filter).jitter(false).linear(true);
-        let pair = renderer.render(&empty, &straight(7, 5), &options).unwrap();
+        let pair = renderer.pair(&empty, &straight(7, 5)).options(&options).read().wait().unwrap();
         let sky = [0.3, 0.7, 0.01, 1.0];
         assert!(pair.left.linear.iter().all(|color| *color == sky), "{filter} {side}: {:?}", pair.left.linear[0]);
-        let once = renderer.render(&empty, &straight(7, 5), &Options::new(Method::Naive)).unwrap();
+        let once = renderer.pair(&empty, &straight(7, 5)).options(&Options::new(Method::Naive)).read().wait().unwrap();
         assert_eq!(pair.left.rgba8, once.left.rgba8, "{filter} {side}");
         if side == 1 {
             continue;
         }
         // What is mirrored at the edge adds to 1: half a sample aside it would not.
-        let light = renderer.render(&edges, &straight(20, 20), &options).unwrap().left.linear;
+        let light = renderer.pair(&edges, &straight(20, 20)).options(&options).read().wait().unwrap().left.linear;
         for pixel in 0..20 {
             let ([right, left], [above, below]) =
                 ([15 * 20 + pixel, 15 * 20 + 19 - pixel], [pixel * 20 + 4, (19 - pixel) * 20 + 4]);
@@ -266,14 +271,14 @@ fn a_ramp_stays_the_ramp() {
     // The sky is linear in the sine of the angle; a narrow picture of it is as good as straight.
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::ZERO, zenith: Vec3::ONE };
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let camera = StereoCamera::look_at(Vec3::ZERO, Vec3::new(0.0, 0.6, -0.8))
         .size(9, 32)
         .screen_distance(1.0)
         .screen_width(0.02)
         .interaxial(0.0);
     let mut light = |options: Options| {
-        let pair = renderer.render(&uploaded, &camera, &options.linear(true)).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&options.linear(true)).read().wait().unwrap();
         (0..32).map(|row| pair.left.linear[row * 9 + 4][0]).collect::<Vec<_>>()
     };
     let one = light(Options::new(Method::Naive));
@@ -291,7 +296,7 @@ fn a_ramp_stays_the_ramp() {
 #[test]
 fn a_tall_picture_comes_in_order_and_progress_is_a_share_of_all_rays() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&half_planes(0.0, 0.0)).unwrap();
+    let uploaded = renderer.upload(&half_planes(0.0, 0.0)).wait().unwrap();
     let camera = straight(30, 9001).screen_width(0.01);
     let options = Options::new(Method::Naive).samples(4).filter(Filter::Tent);
     let (mut next, mut shares) = (0, Vec::new());
@@ -305,24 +310,30 @@ fn a_tall_picture_comes_in_order_and_progress_is_a_share_of_all_rays() {
         Ok(())
     };
     let rig = Rig::pair(camera);
-    pollster::block_on(renderer.render_rows_async(&uploaded, &rig, &options, &mut progress, &mut on_rows)).unwrap();
+    pollster::block_on(renderer.views(&uploaded, &rig).options(&options).progress(&mut progress).rows(&mut on_rows))
+        .unwrap();
     assert_eq!(next, 9001);
     assert!(shares.is_sorted() && shares[0] <= 0.2001 && shares.last() == Some(&1.0), "{shares:?}");
     let mut calls = 0;
-    let stopped = renderer.render_with(&uploaded, &camera, &options, &mut |_| {
-        calls += 1;
-        if calls == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    });
+    let stopped = renderer
+        .pair(&uploaded, &camera)
+        .options(&options)
+        .progress(&mut |_| {
+            calls += 1;
+            if calls == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+        .read()
+        .wait();
     assert!(matches!(stopped, Err(Error::Cancelled)) && calls == 2);
 }
 
 #[test]
 fn one_sample_is_the_picture_without_any() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let options = Options::new(Method::BRACKET).count(true);
     let mut render = |options: &Options| {
-        let mut pair = renderer.render(&uploaded, &camera(61, 40), options).unwrap();
+        let mut pair = renderer.pair(&uploaded, &camera(61, 40)).options(options).read().wait().unwrap();
         pair.statistics.times = None;
         pair
     };
@@ -338,14 +349,18 @@ fn one_sample_is_the_picture_without_any() {
 #[test]
 fn what_cannot_be_sampled_is_refused_by_name() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let mut refused = |camera: StereoCamera, samples: u32| {
         let options = Options::new(Method::Naive).samples(samples);
-        let error = renderer.render(&uploaded, &camera, &options).unwrap_err();
+        let error = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err();
         assert!(matches!(error, Error::Samples { .. }), "{error:?}");
-        let rows = renderer.render_rows(&uploaded, &Rig::pair(camera), &options, &mut |_| Ok(())).unwrap_err();
+        let rows =
+            renderer.views(&uploaded, &Rig::pair(camera)).options(&options).rows(&mut |_| Ok(())).wait().unwrap_err();
         assert_eq!(rows.to_string(), error.to_string());
-        assert_eq!(renderer.trace(&uploaded, &camera, &options).unwrap_err().to_string(), error.to_string());
+        assert_eq!(
+            renderer.pair(&uploaded, &camera).options(&options).trace().wait().unwrap_err().to_string(),
+            error.to_string()
+        );
         error.to_string()
     };
     for samples in [0, 5, 65] {
@@ -362,8 +377,13 @@ fn what_cannot_be_sampled_is_refused_by_name() {
     let gpu = renderer.gpu().clone();
     let mut encoder = gpu.device().create_command_encoder(&Default::default());
     let options = Options::new(Method::Naive).samples(4);
-    let message =
-        renderer.encode(&uploaded, &Rig::pair(camera(16, 16)), &options, &mut encoder).unwrap_err().to_string();
+    let message = renderer
+        .views(&uploaded, &Rig::pair(camera(16, 16)))
+        .options(&options)
+        .encode(&mut encoder)
+        .wait()
+        .unwrap_err()
+        .to_string();
     assert!(message.starts_with("several samples per pixel can't be encoded in advance"), "{message}");
 }
 
@@ -371,10 +391,10 @@ fn what_cannot_be_sampled_is_refused_by_name() {
 fn a_limit_that_only_samples_reach_is_said_to_be_theirs() {
     let gpu = gpu_with_limits(wgpu::Limits { max_texture_dimension_2d: 2048, ..Gpu::required_limits() });
     let mut renderer = Renderer::new(gpu);
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let mut render = |samples| {
         let options = Options::new(Method::BRACKET).samples(samples);
-        renderer.render(&uploaded, &camera(1025, 4), &options)
+        renderer.pair(&uploaded, &camera(1025, 4)).options(&options).read().wait()
     };
     render(1).unwrap();
     let message = render(4).unwrap_err().to_string();

@@ -14,6 +14,7 @@ use obvhs::{
 use stereotrace::{
     FAR, MISS, Method, ObjOptions, Options, Ray, RayHit, Renderer, Scene, StereoCamera, StereoPair, Triangle,
     UploadedScene,
+    blocking::Wait,
     glam::Vec3,
     metrics::compare,
     testing::cpu::{Eye, Frame, intersect::intersect_triangle},
@@ -73,14 +74,15 @@ fn check(name: &str, triangles: usize) {
     assert_eq!(scene.primitive_count(), triangles);
     let camera = StereoCamera::from_json(folder.join("cameras.json"), name, 201, 151).unwrap();
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let pair = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
     if !is_exact(&renderer) {
         println!("skipped: bit-exact comparison on an adapter that may contract f32");
         return;
     }
 
-    let searched = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET_RAYS)).unwrap();
+    let searched =
+        renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET_RAYS)).read().wait().unwrap();
     assert!(searched.right == pair.right, "the tiles' search loses something");
 
     let theirs = Theirs::of(&scene);
@@ -128,7 +130,7 @@ fn check_intervals(renderer: &mut Renderer, uploaded: &UploadedScene, theirs: &T
         Ray::new(right, frame.direction(Eye::Right, column, row)).t_min(0.9 * z).t_max(1.1 * z)
     };
     let intervals: Vec<_> = samples(pair).map(interval).collect();
-    let found = renderer.closest_hits(uploaded, &intervals).unwrap().hits;
+    let found = renderer.closest_hits(uploaded, &intervals).wait().unwrap().hits;
     let differs = |(hit, ray): &(&RayHit, &Ray)| {
         let t = if hit.primitive == MISS { ray.t_max } else { hit.t };
         t != theirs.closest(right, ray.direction, ray.t_min, ray.t_max)
@@ -151,7 +153,7 @@ fn check_shadows(
     let point = |(column, row, z): (usize, usize, f32)| left + frame.direction(Eye::Left, column, row) * z;
     let towards = |point: Vec3| Ray::new(origin, point - origin).t_max(0.9999);
     let rays: Vec<_> = samples(pair).map(point).map(towards).collect();
-    let found = renderer.any_hits(uploaded, &rays).unwrap().hits;
+    let found = renderer.any_hits(uploaded, &rays).wait().unwrap().hits;
     let occluded = |ray: &Ray| theirs.closest(origin, ray.direction, 0.0, ray.t_max) < ray.t_max;
     let differing = found.iter().zip(&rays).filter(|(found, ray)| **found != occluded(ray)).count();
     let dark = found.iter().filter(|occluded| **occluded).count();
@@ -182,18 +184,18 @@ fn check_textured(name: &str, colors: &[(&str, IsColor)], least_identical: f64) 
     let camera = StereoCamera::from_json(folder.join("cameras.json"), name, 200, 150).unwrap();
     scene.place_lights(5, &camera).unwrap();
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let naive = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let naive = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
     for (color, is_it) in colors {
         let count = naive.left.rgba8.iter().filter(|[r, g, b, _]| is_it([*r, *g, *b].map(i32::from))).count();
         println!("{name}: {count} pixels are {color}");
         assert!(count > 30, "{name}: {count} pixels are {color}");
     }
-    let bracket = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET)).unwrap();
+    let bracket = renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET)).read().wait().unwrap();
     let identical = compare(&bracket.right, &naive.right, &naive.pose).unwrap().identical_of_surfaces_percent;
     println!("{name}: {identical}% identical");
     assert!(identical >= least_identical, "{name}: {identical}% identical");
-    let rays = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET_RAYS)).unwrap();
+    let rays = renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET_RAYS)).read().wait().unwrap();
     assert!(!is_exact(&renderer) || rays.right == naive.right, "{name}: bracket-rays");
 }
 

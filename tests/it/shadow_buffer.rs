@@ -8,6 +8,7 @@ use common::{gpu, renderer};
 use stereotrace::{
     Adaptive, Builtin, BvhBuild, Error, Light, Material, Mesh, Method, Options, RaysPerLane, Renderer, Rig, Scene,
     ShadowBuffer, ShadowRule, Sphere, StereoCamera, StereoPair, Traversal, Update, View,
+    blocking::Wait,
     glam::{DVec3, Mat3, Vec3},
     testing::cpu::{self, Eye, intersect::closest_hit, shadow_buffer::Mapping},
     testing::suite::Trial,
@@ -107,10 +108,15 @@ fn shadow_rays(pair: &StereoPair) -> u64 {
 fn by_the_paper_s_rule_convex_objects_shadows_are_within_a_texel_of_the_traced_ones() {
     let (scene, camera) = (Builtin::ThreeSpheres.scene(), Builtin::ThreeSpheres.camera(160, 120));
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let truth = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let truth = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
     for rows in [50, 200] {
-        let pair = renderer.render(&uploaded, &camera, &options(Method::Naive, rows, ShadowRule::Object)).unwrap();
+        let pair = renderer
+            .pair(&uploaded, &camera)
+            .options(&options(Method::Naive, rows, ShadowRule::Object))
+            .read()
+            .wait()
+            .unwrap();
         assert_eq!(shadow_rays(&pair), 0);
         assert_eq!(pair.statistics.shadow_buffer.filled, u64::from(2 * rows * rows));
         let mut wrong = 0;
@@ -162,13 +168,16 @@ fn assert_hybrid<'a>(scenes: impl Iterator<Item = (&'a str, Scene, StereoCamera,
     let mut renderer = renderer();
     let mut worse = Vec::new();
     for (name, scene, camera, measured) in scenes {
-        let uploaded = renderer.upload(&scene).unwrap();
-        let truth = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let truth = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
         // Far off f32 does not tell points from their surfaces.
         let exact = if name == Trial::FarOff.name() { 25 } else { 0 };
         for (margin, most) in [(0.0, exact), (0.1, measured + measured / 3 + 10)] {
             let pair = renderer
-                .render(&uploaded, &camera, &options(Method::Naive, 200, ShadowRule::Hybrid { margin }))
+                .pair(&uploaded, &camera)
+                .options(&options(Method::Naive, 200, ShadowRule::Hybrid { margin }))
+                .read()
+                .wait()
                 .unwrap();
             let wrong = differing(&pair.left, &truth.left) + differing(&pair.right, &truth.right);
             let saved = 100.0 - 100.0 * shadow_rays(&pair) as f64 / shadow_rays(&truth) as f64;
@@ -212,13 +221,18 @@ fn hybrid_shadows_of_hard_scenes_are_as_good_as_measured() {
 fn methods_views_and_samples_ask_them_too() {
     let (scene, camera) = (Builtin::Near.scene(), Builtin::Near.camera(120, 90));
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let naive = renderer.render(&uploaded, &camera, &options(Method::Naive, 150, ShadowRule::HYBRID)).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let naive = renderer
+        .pair(&uploaded, &camera)
+        .options(&options(Method::Naive, 150, ShadowRule::HYBRID))
+        .read()
+        .wait()
+        .unwrap();
     for &method in Method::ALL {
         let with = options(method, 150, ShadowRule::HYBRID);
         let (pair, by_rays) = (
-            renderer.render(&uploaded, &camera, &with).unwrap(),
-            renderer.render(&uploaded, &camera, &Options::new(method)).unwrap(),
+            renderer.pair(&uploaded, &camera).options(&with).read().wait().unwrap(),
+            renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap(),
         );
         assert!(pair.left == naive.left || method == Method::Auto, "{method}");
         assert!(2 * pair.statistics.left.rays.shadow < by_rays.statistics.left.rays.shadow, "{method}");
@@ -227,9 +241,18 @@ fn methods_views_and_samples_ask_them_too() {
         }
     }
     let rig = Rig::row(camera.interaxial_pixels(2.0), 5);
-    let views =
-        renderer.render_views(&uploaded, &rig, &options(Method::BRACKET_RAYS, 150, ShadowRule::HYBRID)).unwrap();
-    let truth = renderer.render_views(&uploaded, &rig, &options(Method::Naive, 150, ShadowRule::HYBRID)).unwrap();
+    let views = renderer
+        .views(&uploaded, &rig)
+        .options(&options(Method::BRACKET_RAYS, 150, ShadowRule::HYBRID))
+        .read()
+        .wait()
+        .unwrap();
+    let truth = renderer
+        .views(&uploaded, &rig)
+        .options(&options(Method::Naive, 150, ShadowRule::HYBRID))
+        .read()
+        .wait()
+        .unwrap();
     assert!(views.views.iter().zip(&truth.views).all(|(view, truth)| view.view == truth.view));
     assert_eq!(views.shadow_buffer.filled, 0, "kept from the frames before");
     assert!(views.shadow_buffer.bytes > 0);
@@ -239,10 +262,11 @@ fn methods_views_and_samples_ask_them_too() {
         Options::new(Method::BRACKET_RAYS).linear(true).cost_map(true),
     ] {
         let with = more.clone().shadow_buffer(ShadowBuffer::new(150));
-        let pair = renderer.render(&uploaded, &camera, &with).unwrap();
-        let naive = renderer.render(&uploaded, &camera, &with.clone().method(Method::Naive)).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&with).read().wait().unwrap();
+        let naive =
+            renderer.pair(&uploaded, &camera).options(&with.clone().method(Method::Naive)).read().wait().unwrap();
         assert!(pair.right.rgba8 == naive.right.rgba8 && pair.left.rgba8 == naive.left.rgba8, "{more:?}");
-        let by_rays = renderer.render(&uploaded, &camera, &more).unwrap();
+        let by_rays = renderer.pair(&uploaded, &camera).options(&more).read().wait().unwrap();
         assert!(2 * shadow_rays(&pair) < shadow_rays(&by_rays), "{more:?}");
     }
 }
@@ -250,11 +274,11 @@ fn methods_views_and_samples_ask_them_too() {
 /// Pixels of both views, 96x72, that do not show what they do by rays, without a margin.
 fn assert_exact(what: &str, scene: &Scene, camera: StereoCamera, rows: u32) {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
+    let uploaded = renderer.upload(scene).wait().unwrap();
     let camera = camera.size(96, 72);
-    let truth = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+    let truth = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
     let exact = ShadowRule::Hybrid { margin: 0.0 };
-    let pair = renderer.render(&uploaded, &camera, &options(Method::Naive, rows, exact)).unwrap();
+    let pair = renderer.pair(&uploaded, &camera).options(&options(Method::Naive, rows, exact)).read().wait().unwrap();
     let wrong = differing(&pair.left, &truth.left) + differing(&pair.right, &truth.right);
     assert_eq!(wrong, 0, "{what}, {rows} rows");
 }
@@ -312,10 +336,10 @@ fn lights_close_to_corners_and_to_large_triangles_are_exact() {
 fn bands_change_no_picture() {
     let camera = Builtin::Hall.camera(1400, 700);
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
     let with = options(Method::BRACKET_RAYS, 100, ShadowRule::HYBRID);
-    let pair = renderer.render(&uploaded, &camera, &with).unwrap();
-    let naive = renderer.render(&uploaded, &camera, &with.clone().method(Method::Naive)).unwrap();
+    let pair = renderer.pair(&uploaded, &camera).options(&with).read().wait().unwrap();
+    let naive = renderer.pair(&uploaded, &camera).options(&with.clone().method(Method::Naive)).read().wait().unwrap();
     assert!(pair.left == naive.left && pair.right == naive.right);
 }
 
@@ -327,8 +351,13 @@ fn which_points_share_a_lane_changes_no_picture() {
     let gpu = gpu();
     let [alone, together] = [RaysPerLane::One, RaysPerLane::Four].map(|rays| {
         let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).rays(rays));
-        let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
-        renderer.render(&uploaded, &camera, &options(Method::Naive, 100, ShadowRule::HYBRID)).unwrap()
+        let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
+        renderer
+            .pair(&uploaded, &camera)
+            .options(&options(Method::Naive, 100, ShadowRule::HYBRID))
+            .read()
+            .wait()
+            .unwrap()
     });
     assert_eq!((differing(&alone.left, &together.left), differing(&alone.right, &together.right)), (0, 0));
 }
@@ -341,7 +370,7 @@ fn pictures_after_an_update_are_those_of_a_new_renderer() {
     let camera = Builtin::Near.camera(100, 75);
     let mut scene = Builtin::Near.scene();
     let mut kept = Renderer::new(gpu());
-    let mut uploaded = kept.upload(&scene).unwrap();
+    let mut uploaded = kept.upload(&scene).wait().unwrap();
     let with = options(Method::BRACKET, 120, ShadowRule::HYBRID);
     let changes: [Change; 4] = [
         ("nothing", |_| {}, Update::Refit),
@@ -364,13 +393,13 @@ fn pictures_after_an_update_are_those_of_a_new_renderer() {
     ];
     for (what, change, how) in changes {
         change(&mut scene);
-        kept.update(&mut uploaded, &scene, how).unwrap();
-        let pair = kept.render(&uploaded, &camera, &with).unwrap();
-        let again = kept.render(&uploaded, &camera, &with).unwrap();
+        kept.update(&mut uploaded, &scene, how).wait().unwrap();
+        let pair = kept.pair(&uploaded, &camera).options(&with).read().wait().unwrap();
+        let again = kept.pair(&uploaded, &camera).options(&with).read().wait().unwrap();
         assert_eq!(again.statistics.shadow_buffer.filled, 0, "{what}");
         let mut fresh = Renderer::new(gpu());
-        let new = fresh.upload(&scene).unwrap();
-        let expected = fresh.render(&new, &camera, &with).unwrap();
+        let new = fresh.upload(&scene).wait().unwrap();
+        let expected = fresh.pair(&new, &camera).options(&with).read().wait().unwrap();
         for (found, which) in [(&pair, "first"), (&again, "second")] {
             assert!(found.left == expected.left && found.right == expected.right, "{what}: the {which} frame");
         }
@@ -381,10 +410,10 @@ fn pictures_after_an_update_are_those_of_a_new_renderer() {
 fn what_no_table_can_have_is_refused_by_name() {
     let mut renderer = renderer();
     let (scene, camera) = (Builtin::ThreeSpheres.scene(), Builtin::ThreeSpheres.camera(16, 12));
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let mut refusal = |buffer: ShadowBuffer| {
         let options = Options::new(Method::Naive).shadow_buffer(buffer);
-        renderer.render(&uploaded, &camera, &options).unwrap_err()
+        renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err()
     };
     let depth = |bias| ShadowBuffer::new(8).rule(ShadowRule::Depth { bias });
     for (buffer, words) in [

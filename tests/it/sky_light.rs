@@ -13,6 +13,7 @@ use common::{
 use stereotrace::{
     AmbientOcclusion, Error, Fetch, Finish, Light, Material, Mesh, Method, Options, Penumbra, Renderer, Scene, Sky,
     SkyMap, Sphere, StereoCamera, StereoPair, Traversal, Update,
+    blocking::Wait,
     glam::{DVec3, Vec3},
     scene::builtin::Builtin,
 };
@@ -37,9 +38,9 @@ fn a_surface_shows_its_albedo_under_a_sky_of_one() {
         scene.sky = Sky::Constant(sky);
         // What would be added to it if it were.
         scene.ambient = Some(Vec3::splat(0.4));
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         for rays in [1, 3, 4, 16, 31, 32] {
-            let pair = renderer.render(&uploaded, &camera, &lit(rays).linear(true)).unwrap();
+            let pair = renderer.pair(&uploaded, &camera).options(&lit(rays).linear(true)).read().wait().unwrap();
             let surfaces = pair.left.linear.iter().zip(&pair.left.primitive);
             let mut count = 0;
             for (color, _) in surfaces.filter(|(_, primitive)| **primitive != stereotrace::MISS) {
@@ -67,14 +68,14 @@ fn a_gradient_lights_a_ball_by_its_closed_form() {
     let (nadir, zenith) = (Vec3::new(0.2, 0.1, 0.9), Vec3::new(0.5, 1.5, 0.3));
     scene.sky = Sky::Gradient { nadir, zenith };
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let camera = StereoCamera::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO).size(40, 40).interaxial(0.0);
     let frame = stereotrace::testing::cpu::Frame::new(&camera.pose().unwrap());
     let seeds = 32;
     let mut sums = vec![DVec3::ZERO; 1600];
     let (mut first_squares, mut squares, mut count) = (0.0, 0.0, 0);
     for seed in 0..seeds {
-        let pair = renderer.render(&uploaded, &camera, &lit(16).seed(seed).linear(true)).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&lit(16).seed(seed).linear(true)).read().wait().unwrap();
         for (index, (sum, color)) in sums.iter_mut().zip(&pair.left.linear).enumerate() {
             *sum += DVec3::new(color[0].into(), color[1].into(), color[2].into()) / f64::from(seeds);
             let depth = pair.left.depth[index];
@@ -208,23 +209,27 @@ fn maps_are_weighed_wherever_their_pixels_stand() {
             let gpu = gpu();
             let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch));
             let camera = StereoCamera::look_at(Vec3::new(0.0, 2.0, 0.1), Vec3::ZERO).size(24, 24);
-            let mut uploaded = renderer.upload(&scene).unwrap();
+            let mut uploaded = renderer.upload(&scene).wait().unwrap();
             let options = lit(32).linear(true);
             // A frame by ambient light first, which must not be changed by what comes after.
-            let plain = renderer.render(&uploaded, &camera, &naive().linear(true)).unwrap();
-            let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+            let plain = renderer.pair(&uploaded, &camera).options(&naive().linear(true)).read().wait().unwrap();
+            let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
             assert!(
-                plain == without_times(renderer.render(&uploaded, &camera, &naive().linear(true)).unwrap(), &plain)
+                plain
+                    == without_times(
+                        renderer.pair(&uploaded, &camera).options(&naive().linear(true)).read().wait().unwrap(),
+                        &plain
+                    )
             );
             // The table stays, or moves to make room for a light.
-            renderer.update(&mut uploaded, &scene, Update::Refit).unwrap();
-            assert!(pair.left == renderer.render(&uploaded, &camera, &options).unwrap().left);
+            renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
+            assert!(pair.left == renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap().left);
             let mut with_light = scene.clone();
             with_light.lights.push(Light::point(Vec3::Y * 1e3, Vec3::splat(0.25)));
-            renderer.update(&mut uploaded, &with_light, Update::Refit).unwrap();
-            let brighter = renderer.render(&uploaded, &camera, &options).unwrap();
-            let anew = renderer.upload(&with_light).unwrap();
-            assert!(brighter.left == renderer.render(&anew, &camera, &options).unwrap().left);
+            renderer.update(&mut uploaded, &with_light, Update::Refit).wait().unwrap();
+            let brighter = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
+            let anew = renderer.upload(&with_light).wait().unwrap();
+            assert!(brighter.left == renderer.pair(&anew, &camera).options(&options).read().wait().unwrap().left);
             let mean = pair.left.linear.iter().map(|color| f64::from(color[0])).sum::<f64>() / 576.0;
             println!("{:?}: {fetch:?}: {mean:.5} for {expected:.5}", scene.sky);
             assert!((mean / expected - 1.0).abs() < 0.01, "{mean} {expected}");
@@ -271,10 +276,10 @@ fn black_skies_light_nothing_and_mirrors_show_what_the_sky_lights() {
     let corners = [[-3.0, 0.0], [3.0, 0.0], [3.0, 6.0], [-3.0, 6.0]].map(|[x, y]| Vec3::new(x, y, -3e4));
     scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).materials(vec![mirror; 2])).unwrap();
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     // From above the far mirror, onto the floor's edge before it: hardly anything of the sky is hidden.
     let camera = StereoCamera::look_at(Vec3::new(0.0, 3.0, -3e4 + 8.0), Vec3::new(0.0, 3.0, -3e4)).size(9, 9);
-    let pair = renderer.render(&uploaded, &camera, &lit(32).linear(true)).unwrap();
+    let pair = renderer.pair(&uploaded, &camera).options(&lit(32).linear(true)).read().wait().unwrap();
     assert!(pair.left.linear.iter().all(|color| (color[0] - 0.5).abs() < 1e-5), "{:?}", pair.left.linear);
 }
 
@@ -308,10 +313,10 @@ fn methods_are_naive_to_the_bit_or_as_near_as_they_say() {
     let exact = is_exact(&renderer);
     for (builtin, sky) in [Builtin::Near, "random-20".parse().unwrap(), Builtin::Near].into_iter().zip(skies()) {
         let (scene, camera) = stage(builtin, sky);
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let mut render = |method: Method, penumbra: Penumbra| {
             let options = Options::new(method).sky_rays(12).shadow_rays(8).linear(true).penumbra(penumbra);
-            let mut pair = renderer.render(&uploaded, &camera, &options).unwrap();
+            let mut pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
             assert!(!pair.statistics.in_steps);
             pair.statistics.times = None;
             pair
@@ -341,15 +346,15 @@ fn methods_are_naive_to_the_bit_or_as_near_as_they_say() {
 fn what_can_not_be_rendered_is_refused_by_name() {
     let (scene, camera) = stage(Builtin::Near, Sky::Constant(Vec3::ONE));
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     for (options, text) in [
         (lit(0), "sky_rays: 0; it must be 1 to 32"),
         (lit(33), "sky_rays: 33; it must be 1 to 32"),
         (lit(u32::MAX), "sky_rays: 4294967295"),
         (lit(4).occlusion(AmbientOcclusion::new(4, 1.0)), "occlusion: sky light (sky_rays) replaces ambient light"),
     ] {
-        let error = renderer.render(&uploaded, &camera, &options).unwrap_err();
+        let error = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err();
         assert!(matches!(error, Error::Options { .. }) && error.to_string().contains(text), "{error}");
     }
-    assert!(renderer.render(&uploaded, &camera, &lit(4).sky_rays(None)).is_ok());
+    assert!(renderer.pair(&uploaded, &camera).options(&lit(4).sky_rays(None)).read().wait().is_ok());
 }

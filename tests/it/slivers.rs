@@ -7,6 +7,7 @@ use crate::truth;
 use common::{random::Random, renderer};
 use stereotrace::{
     MISS, Mesh, Method, Options, Pose, Scene, StereoCamera, View,
+    blocking::Wait,
     glam::{DVec2, DVec3, Vec3},
     testing::cpu::{Eye, Frame},
 };
@@ -198,8 +199,8 @@ fn search(kind: Kind, scale: f32, offset: f32, seed: u32) -> Faults {
     let camera = camera(scale, offset);
     let scene = kind.scene(&camera.pose().unwrap(), scale, &mut Random::new(seed));
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let mut pair_by = |method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let mut pair_by = |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
     let naive = pair_by(Method::Naive);
     let truth = Truth::new(&scene);
     let mut faults = Faults::default();
@@ -277,14 +278,14 @@ fn a_column_of_long_thin_sides_is_lit_as_in_double_precision_and_by_all_methods_
     let camera = camera.interaxial_pixels(6.0);
     scene.place_lights(3, &camera).unwrap();
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let [naive, rays, bracket, counted] = [
         Options::new(Method::Naive),
         Options::new(Method::BRACKET_RAYS),
         Options::new(Method::BRACKET),
         Options::new(Method::Naive).count(true),
     ]
-    .map(|options| renderer.render(&uploaded, &camera, &options).unwrap());
+    .map(|options| renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap());
     let truth = Truth::new(&scene);
     let seen = truth.view(&Frame::new(&naive.pose), Eye::Left);
     let hit: Vec<_> =

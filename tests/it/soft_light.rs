@@ -8,7 +8,7 @@ use common::{
 };
 use stereotrace::{
     AmbientOcclusion, Error, Light, Material, Mesh, Method, Options, Penumbra, Renderer, Scene, Sphere, StereoCamera,
-    StereoPair, View, glam::Vec3, scene::builtin::Builtin, testing::suite::Trial,
+    StereoPair, View, blocking::Wait, glam::Vec3, scene::builtin::Builtin, testing::suite::Trial,
 };
 
 /// The integral of h / r over a rectangle from the origin to (a, b) at the height h.
@@ -140,8 +140,8 @@ fn soft(method: Method) -> Options {
 }
 
 fn rendered(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, options: &Options) -> StereoPair {
-    let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, options).unwrap()
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    renderer.pair(&uploaded, camera).options(options).read().wait().unwrap()
 }
 
 fn identical(a: &View, b: &View) -> f64 {
@@ -200,9 +200,9 @@ fn shared_penumbrae_are_no_farther_from_the_limit_than_naives_noise() {
         for light in &mut scene.lights {
             *light = Light::sphere(light.position, radius, light.intensity);
         }
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let options = |method| Options::new(method).linear(true).occlusion(AmbientOcclusion::new(16, 1.0));
-        let mut render = |options: &Options| renderer.render(&uploaded, &camera, options).unwrap();
+        let mut render = |options: &Options| renderer.pair(&uploaded, &camera).options(options).read().wait().unwrap();
         let seeds = 32;
         let mut limit = vec![[0.0; 3]; camera_pixels(&camera)];
         for seed in 1..=seeds {
@@ -235,8 +235,9 @@ fn narrow_penumbrae_are_nearer_to_the_limit_than_by_the_exact_rule() {
     for light in &mut scene.lights {
         *light = Light::sphere(light.position, 0.002 * diagonal, light.intensity);
     }
-    let uploaded = renderer.upload(&scene).unwrap();
-    let mut render = |options: Options| renderer.render(&uploaded, &camera, &options.linear(true)).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let mut render =
+        |options: Options| renderer.pair(&uploaded, &camera).options(&options.linear(true)).read().wait().unwrap();
     let mut limit = vec![[0.0; 3]; camera_pixels(&camera)];
     for seed in 1..=16 {
         for (sum, color) in limit.iter_mut().zip(&render(naive().shadow_rays(32).seed(seed)).right.linear) {
@@ -268,8 +269,10 @@ fn soft_light_under_cables_is_as_near_to_the_limit_as_naive_s() {
     for light in &mut scene.lights {
         *light = Light::sphere(light.position, 0.002 * diagonal, light.intensity);
     }
-    let uploaded = renderer.upload(&scene).unwrap();
-    let mut render = |options: Options| renderer.render(&uploaded, &camera, &options.linear(true)).unwrap().right;
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let mut render = |options: Options| {
+        renderer.pair(&uploaded, &camera).options(&options.linear(true)).read().wait().unwrap().right
+    };
     let mut limit = vec![[0.0; 3]; camera_pixels(&camera)];
     for seed in 1..=8 {
         for (sum, color) in limit.iter_mut().zip(&render(naive().shadow_rays(32).seed(seed)).linear) {
@@ -295,9 +298,9 @@ fn camera_pixels(camera: &StereoCamera) -> usize {
 fn a_frame_repeats_to_the_bit_and_a_seed_changes_its_noise_alone() {
     let mut renderer = renderer();
     let (scene, camera) = stage(Builtin::Near);
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let mut render = |options: Options| {
-        let mut pair = renderer.render(&uploaded, &camera, &options).unwrap();
+        let mut pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         pair.statistics.times = None;
         pair
     };
@@ -314,7 +317,7 @@ fn a_frame_repeats_to_the_bit_and_a_seed_changes_its_noise_alone() {
 fn what_can_not_be_rendered_is_refused_by_name() {
     let (mut scene, camera) = stage(Builtin::Near);
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let plain = || Options::new(Method::Naive);
     for (options, text) in [
         (plain().shadow_rays(0), "shadow_rays"),
@@ -324,7 +327,7 @@ fn what_can_not_be_rendered_is_refused_by_name() {
         (plain().occlusion(AmbientOcclusion::new(4, -1.0)), "-1; it must be above 0"),
         (plain().penumbra(Penumbra::Shared { deviations: f32::NAN }), "deviations"),
     ] {
-        let error = renderer.render(&uploaded, &camera, &options).unwrap_err();
+        let error = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err();
         assert!(matches!(error, Error::Options { .. }) && error.to_string().contains(text), "{error}");
     }
     let lights = [
@@ -338,10 +341,10 @@ fn what_can_not_be_rendered_is_refused_by_name() {
     ];
     for (light, text) in lights {
         scene.lights = vec![light];
-        let error = renderer.upload(&scene).unwrap_err().to_string();
+        let error = renderer.upload(&scene).wait().unwrap_err().to_string();
         assert!(error.contains("light 0") && error.contains(text), "{error}");
     }
     scene.lights = vec![Light::sphere(Vec3::Y, 1.0, Vec3::ONE); 17];
-    let error = renderer.upload(&scene).unwrap_err().to_string();
+    let error = renderer.upload(&scene).wait().unwrap_err().to_string();
     assert!(error.contains("17 of them are not points; a scene can have at most 16"), "{error}");
 }

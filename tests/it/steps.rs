@@ -6,6 +6,7 @@ use crate::common;
 use common::{ball, random::Random, renderer};
 use stereotrace::{
     FAR, Light, MISS, Mesh, Method, Options, Ray, Scene, StereoCamera,
+    blocking::Wait,
     glam::Vec3,
     testing::cpu::{Eye, Frame, intersect::closest_hit},
     wgpu,
@@ -42,9 +43,9 @@ fn rays_that_meet_all_of_thirty_thousand_triangles_find_the_first() {
     let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(13, 9).interaxial_pixels(1.5);
     scene.place_lights(4, &camera).unwrap();
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     for method in [Method::Naive, Method::Auto, Method::ATOMIC] {
-        let pair = renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&Options::new(method).linear(true)).read().wait().unwrap();
         if has_a_bound(&renderer) {
             assert!(pair.statistics.in_steps, "{method}");
             assert_eq!(pair.statistics.method, Method::Naive);
@@ -62,18 +63,18 @@ fn rays_that_meet_all_of_thirty_thousand_triangles_find_the_first() {
 fn rays_of_a_list_meet_all_of_sixty_thousand_triangles() {
     let scene = stack_of_triangles(60_000);
     let renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let mut random = Random::new(4);
     let origin = 5.0 * Vec3::Z;
     let rays: Vec<Ray> = (0..37).map(|_| Ray::new(origin, random.point(1.0) - 3.0 * Vec3::Z)).collect();
-    let closest = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
+    let closest = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
     for (ray, hit) in rays.iter().zip(&closest) {
         assert_eq!(hit.primitive, closest_hit(&scene, origin, ray.direction, 0.0, FAR).1);
     }
     let farthest = closest.iter().map(|hit| hit.t).filter(|t| t.is_finite()).fold(0.0, f32::max);
     let past: Vec<Ray> = rays.iter().map(|ray| ray.t_min(2.0 * farthest)).collect();
-    assert!(renderer.any_hits(&uploaded, &rays).unwrap().hits.iter().any(|&hit| hit));
-    assert!(renderer.any_hits(&uploaded, &past).unwrap().hits.iter().all(|&hit| !hit));
+    assert!(renderer.any_hits(&uploaded, &rays).wait().unwrap().hits.iter().any(|&hit| hit));
+    assert!(renderer.any_hits(&uploaded, &past).wait().unwrap().hits.iter().all(|&hit| !hit));
 }
 
 #[test]
@@ -88,8 +89,11 @@ fn lights_without_number_light_what_their_sum_does() {
     scene.lights = vec![light];
     let mut renderer = renderer();
     let mut render = |scene: &Scene, method| {
-        let uploaded = renderer.upload(scene).unwrap();
-        (renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap(), has_a_bound(&renderer))
+        let uploaded = renderer.upload(scene).wait().unwrap();
+        (
+            renderer.pair(&uploaded, &camera).options(&Options::new(method).linear(true)).read().wait().unwrap(),
+            has_a_bound(&renderer),
+        )
     };
     let (one, _) = render(&scene, Method::Naive);
     // So many that the loop over them alone is cut.

@@ -15,6 +15,7 @@ use common::{folder::Folder, gpu, gpu_with_limits, own_gpu, random_stage};
 use stereotrace::{
     BvhBuild, Error, GBuffer, Gpu, Method, Options, Ray, Renderer, Scene, Sky, SkyMap, StereoCamera, StereoPair,
     Traversal, UploadedScene,
+    blocking::Wait,
     glam::Vec3,
     metrics::compare,
     output::{Anaglyph, Packing, save_ids_pfm, save_pfm, write_whole},
@@ -49,7 +50,7 @@ fn debug(what: impl Debug) -> String {
 
 impl Worker<'_> {
     fn pair(&mut self, options: &Options) -> StereoPair {
-        self.renderer.render(self.uploaded, &camera(), options).unwrap()
+        self.renderer.pair(self.uploaded, &camera()).options(options).read().wait().unwrap()
     }
 
     fn written(&self, name: &str, write: impl Fn(&Path) -> Result<(), Error>) -> String {
@@ -85,46 +86,47 @@ fn progress_and_cancelling(worker: &mut Worker<'_>) -> String {
         seen.push(progress);
         ControlFlow::Continue(())
     };
-    let pair = worker.renderer.render_with(worker.uploaded, &camera(), &Options::default(), &mut watch).unwrap();
+    let pair = worker.renderer.pair(worker.uploaded, &camera()).progress(&mut watch).read().wait().unwrap();
     let mut stop = |_| ControlFlow::Break(());
-    let stopped = worker.renderer.render_with(worker.uploaded, &camera(), &Options::default(), &mut stop);
+    let stopped = worker.renderer.pair(worker.uploaded, &camera()).progress(&mut stop).read().wait();
     assert!(matches!(stopped, Err(Error::Cancelled)));
     text(&pair) + &debug(seen)
 }
 
 fn tracing_alone(worker: &mut Worker<'_>) -> String {
-    let statistics = worker.renderer.trace(worker.uploaded, &camera(), &Options::default()).unwrap();
+    let statistics = worker.renderer.pair(worker.uploaded, &camera()).trace().wait().unwrap();
     debug((statistics.left, statistics.right, statistics.choice))
 }
 
 fn rays_of_the_caller_s_own(worker: &mut Worker<'_>) -> String {
     let direction = |i: u32| Vec3::new(0.01 * (i % 20) as f32 - 0.1, 0.0, -1.0);
     let rays: Vec<Ray> = (0..300).map(|i| Ray::new(5.0 * Vec3::Z, direction(i))).collect();
-    let closest = worker.renderer.closest_hits(worker.uploaded, &rays).unwrap().hits;
-    debug((closest, worker.renderer.any_hits(worker.uploaded, &rays).unwrap().hits))
+    let closest = worker.renderer.closest_hits(worker.uploaded, &rays).wait().unwrap().hits;
+    debug((closest, worker.renderer.any_hits(worker.uploaded, &rays).wait().unwrap().hits))
 }
 
 /// An error of one thread must not reach the other one, nor the other's success hide it.
 fn errors(worker: &mut Worker<'_>) -> String {
-    let mut of = |camera: StereoCamera| {
-        worker.renderer.render(worker.uploaded, &camera, &Options::default()).unwrap_err().to_string()
-    };
+    let mut of =
+        |camera: StereoCamera| worker.renderer.pair(worker.uploaded, &camera).read().wait().unwrap_err().to_string();
     [of(camera().size(60_000, 60_000)), of(camera().size(0, 3))].concat()
 }
 
 fn uploads(worker: &mut Worker<'_>) -> String {
-    let uploaded = |build| worker.renderer.upload_with(worker.scene, build).unwrap();
+    let uploaded = |build| worker.renderer.upload_with(worker.scene, build).wait().unwrap();
     let mut all: Vec<UploadedScene> = BvhBuild::ALL.iter().copied().map(uploaded).collect();
-    all.push(worker.renderer.upload(worker.scene).unwrap());
-    let pairs = all.iter().map(|scene| worker.renderer.render(scene, &camera(), &Options::new(Method::Naive)).unwrap());
+    all.push(worker.renderer.upload(worker.scene).wait().unwrap());
+    let pairs = all.iter().map(|scene| {
+        worker.renderer.pair(scene, &camera()).options(&Options::new(Method::Naive)).read().wait().unwrap()
+    });
     let pairs: Vec<StereoPair> = pairs.collect();
     debug(all.iter().map(|scene| scene.info().node_bytes).collect::<Vec<_>>()) + &text(&pairs[0]) + &text(&pairs[3])
 }
 
 fn another_traversal(worker: &mut Worker<'_>) -> String {
     let mut renderer = Renderer::with_traversal(worker.renderer.gpu().clone(), Traversal::ALL[5]);
-    let uploaded = renderer.upload(worker.scene).unwrap();
-    text(&renderer.render(&uploaded, &camera(), &Options::default()).unwrap())
+    let uploaded = renderer.upload(worker.scene).wait().unwrap();
+    text(&renderer.pair(&uploaded, &camera()).read().wait().unwrap())
 }
 
 fn devices_of_their_own(worker: &mut Worker<'_>) -> String {
@@ -132,10 +134,12 @@ fn devices_of_their_own(worker: &mut Worker<'_>) -> String {
     for gpu in [own_gpu(), gpu_with_limits(wgpu::Limits::default())] {
         text += &(gpu.adapter_name() + &gpu.driver());
         let mut renderer = Renderer::new(gpu);
-        let uploaded = renderer.upload(worker.scene).unwrap();
-        text += &debug(renderer.render(&uploaded, &camera(), &Options::new(Method::Naive)).unwrap().right);
+        let uploaded = renderer.upload(worker.scene).wait().unwrap();
+        text += &debug(
+            renderer.pair(&uploaded, &camera()).options(&Options::new(Method::Naive)).read().wait().unwrap().right,
+        );
         // A scene of the other device is refused.
-        text += &renderer.render(worker.uploaded, &camera(), &Options::default()).unwrap_err().to_string();
+        text += &renderer.pair(worker.uploaded, &camera()).read().wait().unwrap_err().to_string();
     }
     text
 }
@@ -148,8 +152,8 @@ fn files_that_are_read(worker: &mut Worker<'_>) -> String {
     assert!(scene.light_from_json(&cameras, "spheres").unwrap());
     let sky = SkyMap::open(worker.folder.file("sky.png")).unwrap();
     scene.sky = Sky::Map(sky);
-    let uploaded = worker.renderer.upload(&scene).unwrap();
-    text(&worker.renderer.render(&uploaded, &camera, &Options::default()).unwrap())
+    let uploaded = worker.renderer.upload(&scene).wait().unwrap();
+    text(&worker.renderer.pair(&uploaded, &camera).read().wait().unwrap())
 }
 
 /// Both threads write the same files: whichever is last, they are whole.
@@ -199,7 +203,7 @@ fn what_two_threads_do_at_once_is_what_each_does_alone() {
     let (gpu, scene, folder) = (gpu(), random_stage(4), Folder::new("threads"));
     let sky: Vec<u8> = (0..8 * 4 * 3).collect();
     image::RgbImage::from_raw(8, 4, sky).unwrap().save(folder.file("sky.png")).unwrap();
-    let upload = |gpu: &Gpu| Renderer::new(gpu.clone()).upload(&scene).unwrap();
+    let upload = |gpu: &Gpu| Renderer::new(gpu.clone()).upload(&scene).wait().unwrap();
     // The threads' scene is one that nobody has used: what is made at first use is made by both at once.
     let (lone, shared) = (upload(&gpu), upload(&gpu));
     let worker = |uploaded| Worker { renderer: Renderer::new(gpu.clone()), scene: &scene, uploaded, folder: &folder };

@@ -4,7 +4,9 @@
 use crate::common;
 
 use common::renderer;
-use stereotrace::{Adaptive, Builtin, Filter, Light, Method, Options, Rig, glam::Vec3, testing::suite::Trial};
+use stereotrace::{
+    Adaptive, Builtin, Filter, Light, Method, Options, Rig, blocking::Wait, glam::Vec3, testing::suite::Trial,
+};
 
 #[test]
 fn bracket_rays_are_naive_to_the_last_bit() {
@@ -19,13 +21,15 @@ fn bracket_rays_are_naive_to_the_last_bit() {
     for (builtin, size) in [(Builtin::ThreeSpheresTextured, [70, 47]), (Builtin::HallFinished, [45, 31])] {
         let mut scene = builtin.scene();
         scene.lights.push(Light::sphere(Vec3::new(2.0, 5.0, 1.0), 0.2, Vec3::splat(0.2)));
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let camera = builtin.camera(size[0], size[1]);
         let rig = Rig::at(camera, vec![-0.5, 0.5, 0.1]).traced(vec![0]);
         // Each of them once: kernels of each are compiled anew.
         let first = usize::from(builtin == Builtin::HallFinished);
         for (index, several) in several.into_iter().enumerate().skip(first).step_by(2) {
-            let mut render = |method| renderer.render_views(&uploaded, &rig, &several(options(method))).unwrap().views;
+            let mut render = |method| {
+                renderer.views(&uploaded, &rig).options(&several(options(method))).read().wait().unwrap().views
+            };
             let (naive, rays) = (render(Method::Naive), render(Method::BRACKET_RAYS));
             let bracket = render(Method::BRACKET);
             for ((naive, rays), bracket) in naive.iter().zip(&rays).zip(&bracket) {
@@ -54,9 +58,9 @@ fn nothing_of_the_suite_is_harder_with_mirrors_soft_light_and_four_samples() {
 fn is_no_harder_when_rich(trial: Trial) {
     let mut renderer = renderer();
     let options = |method| Options::new(method).linear(true).samples(4).shadow_rays(4);
-    let uploaded = renderer.upload(&trial.rich_scene()).unwrap();
+    let uploaded = renderer.upload(&trial.rich_scene()).wait().unwrap();
     let camera = trial.camera(45, 31);
-    let mut render = |method| renderer.render(&uploaded, &camera, &options(method)).unwrap();
+    let mut render = |method| renderer.pair(&uploaded, &camera).options(&options(method)).read().wait().unwrap();
     let (naive, rays, bracket) = (render(Method::Naive), render(Method::BRACKET_RAYS), render(Method::BRACKET));
     assert!(naive.statistics.right.rays.secondary > 0 || trial.scene().materials().len() < 2, "{trial}: no mirrors");
     let off = naive.right.linear.iter().zip(&rays.right.linear).filter(|(a, b)| a != b).count();

@@ -5,6 +5,7 @@ use crate::common;
 use common::{RandomScene, is_exact, random::Random, random_foliage, renderer};
 use stereotrace::{
     FAR, MISS, Mesh, Method, Options, PixelSource, Rig, Scene, Sphere, StereoCamera, StereoPair,
+    blocking::Wait,
     glam::Vec3,
     testing::cpu::{Eye, Frame, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
 };
@@ -31,8 +32,8 @@ fn differing(view: &stereotrace::View, twin: &[(f32, u32)], exact: bool) -> usiz
 fn check(scene: &Scene, camera: &StereoCamera) {
     let mut renderer = renderer();
     let exact = is_exact(&renderer);
-    let uploaded = renderer.upload(scene).unwrap();
-    let naive = renderer.render(&uploaded, camera, &Options::new(Method::Naive)).unwrap();
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    let naive = renderer.pair(&uploaded, camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
     let frame = Frame::new(&naive.pose);
     let allowed = if exact { 0 } else { naive.source.len() / 500 };
     let [left, right] = [Eye::Left, Eye::Right].map(|eye| trace_left(scene, &frame, eye));
@@ -41,7 +42,8 @@ fn check(scene: &Scene, camera: &StereoCamera) {
         assert!(differing <= allowed, "{differing} of {} pixels differ", twin.len());
     }
 
-    let atomic: StereoPair = renderer.render(&uploaded, camera, &Options::new(Method::ATOMIC)).unwrap();
+    let atomic: StereoPair =
+        renderer.pair(&uploaded, camera).options(&Options::new(Method::ATOMIC)).read().wait().unwrap();
     let left_depth: Vec<f32> = left.iter().map(|(depth, _)| *depth).collect();
     let source = reproject(&frame, &left_depth);
     let fates = resolve_right(scene, &frame, &left, &source);
@@ -60,7 +62,7 @@ fn check(scene: &Scene, camera: &StereoCamera) {
     }
     // To the other side: the right view is the source.
     let rig = Rig::at(*camera, vec![0.5, -0.5]).traced(vec![0]);
-    let views = renderer.render_views(&uploaded, &rig, &Options::new(Method::ATOMIC)).unwrap();
+    let views = renderer.views(&uploaded, &rig).options(&Options::new(Method::ATOMIC)).read().wait().unwrap();
     let mirrored = Frame::between(&naive.pose, 0.5, -0.5);
     let depths: Vec<f32> = right.iter().map(|(depth, _)| *depth).collect();
     let fates = resolve_right(scene, &mirrored, &right, &reproject(&mirrored, &depths));

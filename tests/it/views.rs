@@ -3,7 +3,9 @@
 use crate::common;
 
 use common::renderer;
-use stereotrace::{Builtin, Method, Options, PixelSource, Rig, RigView, StereoCamera, output, testing::suite::Trial};
+use stereotrace::{
+    Builtin, Method, Options, PixelSource, Rig, RigView, StereoCamera, blocking::Wait, output, testing::suite::Trial,
+};
 
 fn scenes() -> Vec<(String, stereotrace::Scene, StereoCamera)> {
     let built_in = [Builtin::Hall, Builtin::Spheres].map(|it| (it.to_string(), it.scene(), it.camera(97, 66)));
@@ -29,9 +31,10 @@ fn what_every_eye_sees_is_what_naive_shows_to_either_side_of_a_source() {
 fn every_eye_sees_what_naive_shows(sources: &[usize], made_from: [usize; 5]) {
     let mut renderer = renderer();
     for (name, scene, camera) in scenes() {
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let rig = Rig::at(camera.interaxial_pixels(3.0), vec![-2.0, -0.7, 0.3, 1.0, 2.0]).traced(sources.to_vec());
-        let mut render = |method| renderer.render_views(&uploaded, &rig, &Options::new(method).linear(true)).unwrap();
+        let mut render =
+            |method| renderer.views(&uploaded, &rig).options(&Options::new(method).linear(true)).read().wait().unwrap();
         let naive = render(Method::Naive);
         let rays = render(Method::BRACKET_RAYS);
         let (bracket, verified) = (render(Method::BRACKET), render(Method::VERIFIED));
@@ -68,11 +71,11 @@ fn every_eye_sees_what_naive_shows(sources: &[usize], made_from: [usize; 5]) {
 fn a_pair_is_a_rig_of_two_and_auto_chooses_for_each_view() {
     let mut renderer = renderer();
     let camera = Builtin::Hall.camera(97, 66);
-    let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
     for &method in Method::ALL {
         let options = Options::new(method);
-        let pair = renderer.render(&uploaded, &camera, &options).unwrap();
-        let views = renderer.render_views(&uploaded, &Rig::pair(camera), &options).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
+        let views = renderer.views(&uploaded, &Rig::pair(camera)).options(&options).read().wait().unwrap();
         let [left, right] = &views.views[..] else { panic!("{} views", views.views.len()) };
         assert!((&left.view, &right.view) == (&pair.left, &pair.right), "{method}");
         assert_eq!((&right.source, &right.shadow_source), (&pair.source, &pair.shadow_source), "{method}");
@@ -81,7 +84,7 @@ fn a_pair_is_a_rig_of_two_and_auto_chooses_for_each_view() {
     }
     // So far apart that all is gaps, beside a near one.
     let rig = Rig::at(camera.interaxial_pixels(2.0), vec![0.0, 1.0, 40.0]).traced(vec![0]);
-    let views = renderer.render_views(&uploaded, &rig, &Options::new(Method::Auto)).unwrap();
+    let views = renderer.views(&uploaded, &rig).options(&Options::new(Method::Auto)).read().wait().unwrap();
     let methods = [1, 2].map(|view| views.views[view].choice.unwrap().method);
     assert_eq!(methods, [Method::BRACKET, Method::Naive]);
     assert!(traced(&views.views[2]));
@@ -91,8 +94,8 @@ fn a_pair_is_a_rig_of_two_and_auto_chooses_for_each_view() {
 fn one_eye_alone_sees_what_the_middle_of_a_row_sees() {
     let mut renderer = renderer();
     let camera = Builtin::Spheres.camera(65, 40).interaxial_pixels(4.0);
-    let uploaded = renderer.upload(&Builtin::Spheres.scene()).unwrap();
-    let mut render = |eyes| renderer.render_views(&uploaded, &Rig::row(camera, eyes), &Options::default()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Spheres.scene()).wait().unwrap();
+    let mut render = |eyes| renderer.views(&uploaded, &Rig::row(camera, eyes)).read().wait().unwrap();
     let (one, three) = (render(1), render(3));
     assert_eq!(one.views.len(), 1);
     assert!(traced(&one.views[0]) && one.views[0].view == three.views[1].view);
@@ -102,9 +105,9 @@ fn one_eye_alone_sees_what_the_middle_of_a_row_sees() {
 fn the_methods_of_the_thesis_err_to_the_left_as_they_do_to_the_right() {
     let mut renderer = renderer();
     for (name, scene, camera) in scenes() {
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let rig = Rig::at(camera.interaxial_pixels(4.0), vec![-1.0, 0.0, 1.0]).traced(vec![1]);
-        let mut render = |method| renderer.render_views(&uploaded, &rig, &Options::new(method)).unwrap();
+        let mut render = |method| renderer.views(&uploaded, &rig).options(&Options::new(method)).read().wait().unwrap();
         let naive = render(Method::Naive);
         for method in [Method::ATOMIC, Method::BUFFER, Method::ES_ISLER, Method::ADELSON_HODGES] {
             let views = render(method);
@@ -125,8 +128,8 @@ fn the_methods_of_the_thesis_err_to_the_left_as_they_do_to_the_right() {
 fn a_quilt_has_its_first_view_at_the_bottom_left() {
     let mut renderer = renderer();
     let camera = Builtin::Spheres.camera(20, 10).interaxial_pixels(1.0);
-    let uploaded = renderer.upload(&Builtin::Spheres.scene()).unwrap();
-    let views = renderer.render_views(&uploaded, &Rig::row(camera, 6), &Options::default()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Spheres.scene()).wait().unwrap();
+    let views = renderer.views(&uploaded, &Rig::row(camera, 6)).read().wait().unwrap();
     let quilt = output::quilt(&views, 3, 2).unwrap();
     assert_eq!((quilt.width, quilt.height), (60, 20));
     for (index, view) in views.views.iter().enumerate() {

@@ -10,6 +10,7 @@ use common::{random::Random, renderer};
 use solids::{Solid, solids};
 use stereotrace::{
     MISS, Mesh, Ray, Renderer, Scene, UploadedScene,
+    blocking::Wait,
     glam::{DVec3, Vec3},
 };
 
@@ -142,8 +143,8 @@ fn rays(
 
 fn leaks(renderer: &Renderer, scene: &UploadedScene, rays: &[(Aim, Ray)]) -> Count {
     let list: Vec<Ray> = rays.iter().map(|(_, ray)| *ray).collect();
-    let closest = renderer.closest_hits(scene, &list).unwrap().hits;
-    let any = renderer.any_hits(scene, &list).unwrap().hits;
+    let closest = renderer.closest_hits(scene, &list).wait().unwrap().hits;
+    let any = renderer.any_hits(scene, &list).wait().unwrap().hits;
     let mut count = Count { rays: rays.len(), ..Count::default() };
     for (((aim, ray), hit), found) in rays.iter().zip(closest).zip(any) {
         let miss = hit.primitive == MISS;
@@ -171,7 +172,7 @@ fn search(total: usize) -> Count {
             let mut scene = Scene::new();
             scene.add_mesh(&placed.mesh(solid)).unwrap();
             assert_eq!(scene.degenerate_count(), 0, "{} at {scale}, {offset} has holes", solid.name);
-            let uploaded = renderer.upload(&scene).unwrap();
+            let uploaded = renderer.upload(&scene).wait().unwrap();
             let mut here = Count::default();
             // Few rays an origin: of vertices there are as many rays as there are vertices.
             let per_origin = per_place.min(3 * solid.positions.len().max(200));
@@ -251,7 +252,7 @@ fn a_hole_is_found() {
     let mut scene = Scene::new();
     scene.add_mesh(&placed.mesh(&solid)).unwrap();
     let renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let through = removed.map(|corner| solid.positions[corner as usize]).iter().sum::<Vec3>() / 3.0;
     let from = placed.world(Vec3::ZERO);
     let rays = [through, -through].map(|target| (Aim::Anywhere, Ray::new(from, target)));

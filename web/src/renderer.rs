@@ -75,7 +75,12 @@ impl Renderer {
             if camera.is_undefined() || camera.is_null() { scene.own_camera(640, 480)? } else { camera::read(camera)? };
         let request = Request::read(options)?;
         let frame = async |renderer: &mut stereotrace::Renderer, uploaded: &UploadedScene| {
-            renderer.render_async(uploaded, &camera, &request.options, &mut |now| request.goes_on(now)).await
+            renderer
+                .pair(uploaded, &camera)
+                .options(&request.options)
+                .progress(&mut |now| request.goes_on(now))
+                .read()
+                .await
         };
         Ok(Pair(self.with_scene(&scene.shared, frame).await?))
     }
@@ -93,7 +98,12 @@ impl Renderer {
         let rig = Rig::row(camera::read(camera)?, count as usize);
         let request = Request::read(options)?;
         let frame = async |renderer: &mut stereotrace::Renderer, uploaded: &UploadedScene| {
-            renderer.render_views_async(uploaded, &rig, &request.options, &mut |now| request.goes_on(now)).await
+            renderer
+                .views(uploaded, &rig)
+                .options(&request.options)
+                .progress(&mut |now| request.goes_on(now))
+                .read()
+                .await
         };
         Ok(Views(self.with_scene(&scene.shared, frame).await?))
     }
@@ -143,7 +153,7 @@ impl Renderer {
 
 impl Device {
     async fn open() -> Result<Self, Error> {
-        let renderer = stereotrace::Renderer::new(Gpu::new_async().await?);
+        let renderer = stereotrace::Renderer::new(Gpu::new().await?);
         Ok(Self { renderer, id: DEVICES.replace(DEVICES.get() + 1) })
     }
 }
@@ -170,14 +180,14 @@ async fn brought(device: &Device, scene: &Shared) -> Result<Uploaded, Error> {
     // The upload is taken out, so that a scene is uploaded anew after an update that failed.
     match scene.uploaded.take().filter(|uploaded| uploaded.device == device.id) {
         None => {
-            let uploaded = renderer.upload_async(&now, BvhBuild::Balanced).await?;
+            let uploaded = renderer.upload(&now).await?;
             Ok(Uploaded { scene: uploaded, device: device.id, changes })
         }
         Some(mut uploaded) => {
             if uploaded.changes != changes {
                 let same_shapes = uploaded.changes.shapes == changes.shapes;
                 let how = if same_shapes { Update::Refit } else { Update::Rebuild(BvhBuild::Balanced) };
-                renderer.update_async(&mut uploaded.scene, &now, how).await?;
+                renderer.update(&mut uploaded.scene, &now, how).await?;
                 uploaded.changes = changes;
             }
             Ok(uploaded)

@@ -11,6 +11,7 @@ use std::{
 use clap::Args;
 use stereotrace::{
     Builtin, Convergence, GBuffer, Method, Options, Renderer, Scene, SceneFile, StereoCamera, UploadedScene,
+    blocking::Wait,
 };
 
 use super::{CameraArguments, Global, LightArguments, PictureArguments, ReadingArguments};
@@ -76,7 +77,7 @@ pub(crate) fn depths(
     let scales = [f64::from(PREVIEW) / f64::from(width), f64::from(rows) / f64::from(height)];
     let camera = camera.convergence(Convergence::OffAxis).interaxial(pose.interaxial).size(PREVIEW, rows);
     let camera = camera.intrinsics(pose.intrinsics().scaled(scales));
-    let pair = renderer.render(uploaded, &camera, &options)?;
+    let pair = renderer.pair(uploaded, &camera).options(&options).read().wait()?;
     let ranges = [&pair.left, &pair.right].map(|view| view.depth_range());
     Ok((ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1)))
 }
@@ -106,7 +107,7 @@ impl Subject {
 
         let mut renderer = Renderer::new(gpu);
         let begin = Instant::now();
-        let uploaded = renderer.upload(&scene)?;
+        let uploaded = renderer.upload(&scene).wait()?;
         let build = begin.elapsed();
         let camera = match &self.camera.comfort {
             None => camera,

@@ -10,6 +10,7 @@ use clap::Args;
 use serde_json::json;
 use stereotrace::{
     Method, StereoPair,
+    blocking::Wait,
     message::counted,
     metrics::{Difference, compare},
 };
@@ -68,8 +69,13 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut rows = Vec::new();
     for &method in &methods {
         let options = stage.options.clone().method(method).count(true);
-        let pair =
-            stage.renderer.render_with(&stage.uploaded, &stage.camera, &options, &mut |now| progress.show(now))?;
+        let pair = stage
+            .renderer
+            .pair(&stage.uploaded, &stage.camera)
+            .options(&options)
+            .progress(&mut |now| progress.show(now))
+            .read()
+            .wait()?;
         progress.next();
         let difference = compare(&pair.right, &naive.as_ref().unwrap_or(&pair).right, &pair.pose)?;
         let (cost, retraced) = (pair.statistics.second_eye(), pair.statistics.retraced_share());
@@ -80,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         for row in &mut rows {
             let options = stage.options.clone().method(row.method).count(false);
             let begin = Instant::now();
-            stage.renderer.trace(&stage.uploaded, &stage.camera, &options)?;
+            stage.renderer.pair(&stage.uploaded, &stage.camera).options(&options).trace().wait()?;
             // The first round compiles the pipelines without counters.
             if round > 0 {
                 row.times.push(begin.elapsed());

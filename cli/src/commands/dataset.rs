@@ -15,6 +15,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use stereotrace::{
     GroundTruth, Occlusion, StereoCamera, StereoPair,
+    blocking::Wait,
     dataset::{FreePoses, Layout},
     message::counted,
     output::{Batch, ExrColor},
@@ -159,8 +160,14 @@ fn make(
             (camera, Some(tries))
         }
     };
-    let pair = stage.renderer.render_with(&stage.uploaded, &camera, &stage.options, &mut |now| progress.show(now))?;
-    let truth = stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair)?;
+    let pair = stage
+        .renderer
+        .pair(&stage.uploaded, &camera)
+        .options(&stage.options)
+        .progress(&mut |now| progress.show(now))
+        .read()
+        .wait()?;
+    let truth = stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair).wait()?;
     let mut batch = Batch::new();
     arguments.layout.add(&mut batch, folder, item, &pair, &truth)?;
     let more = |kind: &str| -> Result<PathBuf, Box<dyn Error>> {
@@ -195,7 +202,7 @@ fn random_camera(arguments: &Arguments, stage: &Stage, item: u32) -> Result<(Ste
     if let Some(distance) = arguments.clearance {
         poses = poses.clearance(distance);
     }
-    let found = poses.find(&stage.renderer, &stage.uploaded, item)?;
+    let found = poses.find(&stage.renderer, &stage.uploaded, item).wait()?;
     Ok((found.camera, found.tries))
 }
 

@@ -8,7 +8,7 @@ use std::{
 };
 
 use clap::Args;
-use stereotrace::{GroundTruth, Method, StereoPair, metrics::compare, output::Batch};
+use stereotrace::{GroundTruth, Method, StereoPair, blocking::Wait, metrics::compare, output::Batch};
 
 use super::report::{Report, WallTimes};
 use crate::{
@@ -97,7 +97,13 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
     let is_open_exr = matches!(target, Target::File(file) if is_open_exr(file));
     let options = stage.options.clone().cost_map(arguments.dump).linear(is_open_exr);
     let mut progress = Progress::new(global, 1);
-    let pair = stage.renderer.render_with(&stage.uploaded, &stage.camera, &options, &mut |now| progress.show(now));
+    let pair = stage
+        .renderer
+        .pair(&stage.uploaded, &stage.camera)
+        .options(&options)
+        .progress(&mut |now| progress.show(now))
+        .read()
+        .wait();
     progress.clear();
     let pair = pair?;
     let wall = WallTimes { read: stage.read, build: stage.build, render: begin.elapsed() };
@@ -105,7 +111,7 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
     let difference = match arguments.compare {
         true => {
             let truth = stage.options.clone().method(Method::Naive).count(false).shadow_buffer(None);
-            let naive = stage.renderer.render(&stage.uploaded, &stage.camera, &truth)?;
+            let naive = stage.renderer.pair(&stage.uploaded, &stage.camera).options(&truth).read().wait()?;
             Some(compare(&pair.right, &naive.right, &pair.pose)?)
         }
         false => None,
@@ -115,14 +121,18 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
         Target::File(file) => {
             // Ground truth belongs to the surfaces at pixel centres, which not all methods show.
             let is_exact = matches!(pair.statistics.method, Method::Naive | Method::Bracket(_));
-            let truth =
-                (is_open_exr && is_exact).then(|| stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair));
+            let truth = (is_open_exr && is_exact)
+                .then(|| stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair).wait());
             add_pair(&mut batch, file, &pair, truth.transpose()?.as_ref(), &arguments.eyes)?;
         }
         Target::Folder(folder) => {
             add_pictures(&mut batch, arguments, &pair, folder)?;
             if arguments.ground_truth {
-                add_truth(&mut batch, &stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair)?, folder)?;
+                add_truth(
+                    &mut batch,
+                    &stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair).wait()?,
+                    folder,
+                )?;
             }
         }
     }

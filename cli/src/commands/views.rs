@@ -6,6 +6,7 @@ use clap::Args;
 use serde_json::json;
 use stereotrace::{
     Method, Rig, Views,
+    blocking::Wait,
     message::counted,
     metrics::compare,
     output::{Batch, quilt, quilt_name},
@@ -52,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let begin = Instant::now();
     let mut progress = Progress::new(global, 1);
     let mut show = |now| progress.show(now);
-    let rendering = stage.renderer.render_views_async(&stage.uploaded, &rig, &stage.options, &mut show);
+    let rendering = stage.renderer.views(&stage.uploaded, &rig).options(&stage.options).progress(&mut show).read();
     let views = pollster::block_on(rendering);
     progress.clear();
     let views = views?;
@@ -94,7 +95,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut difference = None;
     if arguments.compare {
         let truth = stage.options.clone().method(Method::Naive).count(false);
-        let found = Compared::of(&views, &stage.renderer.render_views(&stage.uploaded, &rig, &truth)?)?;
+        let found = Compared::of(&views, &stage.renderer.views(&stage.uploaded, &rig).options(&truth).read().wait()?)?;
         let Compared { mean, least, wrong } = found;
         writeln!(
             text,

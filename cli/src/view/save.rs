@@ -211,7 +211,7 @@ pub(super) fn write(
 #[cfg(test)]
 mod tests {
     use clap::Parser;
-    use stereotrace::{Builtin, Gpu, Options, Renderer, glam::Vec3};
+    use stereotrace::{Builtin, Gpu, Renderer, blocking::Wait, glam::Vec3};
 
     use super::*;
     use crate::{arguments::Command, folder::Folder};
@@ -255,8 +255,8 @@ mod tests {
         let mut stage = subject.open(&global).unwrap();
         let mut settings = Settings::new(&stage, eyes, subject.picture.size()).unwrap();
         change(&mut settings);
-        let uploaded = stage.renderer.upload(&stage.scene).unwrap();
-        let pair = stage.renderer.render(&uploaded, &settings.camera(), &settings.options).unwrap();
+        let uploaded = stage.renderer.upload(&stage.scene).wait().unwrap();
+        let pair = stage.renderer.pair(&uploaded, &settings.camera()).options(&settings.options).read().wait().unwrap();
         let path = write(&settings, &pair, &folder.file("out"), "scene").unwrap();
 
         let origin = Origin::new(words(&line), subject.lights_stand_by_camera()).unwrap();
@@ -328,9 +328,9 @@ mod tests {
     #[test]
     fn eyes_that_are_shown_one_at_a_time_are_written_both() {
         let folder = Folder::new("view-eyes");
-        let mut renderer = Renderer::new(Gpu::open("software").unwrap());
-        let uploaded = renderer.upload(&Builtin::Spheres.scene()).unwrap();
-        let pair = renderer.render(&uploaded, &Builtin::Spheres.camera(20, 10), &Options::default()).unwrap();
+        let mut renderer = Renderer::new(Gpu::open("software").wait().unwrap());
+        let uploaded = renderer.upload(&Builtin::Spheres.scene()).wait().unwrap();
+        let pair = renderer.pair(&uploaded, &Builtin::Spheres.camera(20, 10)).read().wait().unwrap();
         let Cli { global, command: Command::View(arguments) } =
             Cli::parse_from(["stereotrace", "view", "builtin:spheres", "--size", "20x10", "--adapter", "software"])
         else {

@@ -282,6 +282,7 @@ mod tests {
 
     use stereotrace::{
         Builtin, Gpu, Method, Options, Renderer,
+        blocking::Wait,
         output::{Packing, anaglyph, packed},
     };
 
@@ -293,11 +294,11 @@ mod tests {
     fn setting() -> &'static (StereoPair, Gpu) {
         static SETTING: OnceLock<(StereoPair, Gpu)> = OnceLock::new();
         SETTING.get_or_init(|| {
-            let gpu = Gpu::open("software").unwrap();
+            let gpu = Gpu::open("software").wait().unwrap();
             let mut renderer = Renderer::new(gpu.clone());
-            let scene = renderer.upload(&Builtin::Spheres.scene()).unwrap();
+            let scene = renderer.upload(&Builtin::Spheres.scene()).wait().unwrap();
             let camera = Builtin::Spheres.camera(SIZE[0], SIZE[1]);
-            let mut pair = renderer.render(&scene, &camera, &Options::new(Method::Naive)).unwrap();
+            let mut pair = renderer.pair(&scene, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
             let mut state = 1_u32;
             let mut byte = || {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

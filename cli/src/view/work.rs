@@ -12,7 +12,7 @@ use std::{
 };
 
 use stereotrace::{
-    Error, GBuffer, LightShape, Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, wgpu,
+    Error, GBuffer, LightShape, Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, blocking::Wait, wgpu,
 };
 
 use crate::arguments::Global;
@@ -243,7 +243,7 @@ impl Work {
             Err(Error::DeviceLost(reason)) => {
                 log::warn!("the device was lost ({reason}); opening another one");
                 self.renderer = Renderer::new(self.global.gpu()?);
-                *uploaded = self.renderer.upload(&self.scene)?;
+                *uploaded = self.renderer.upload(&self.scene).wait()?;
                 self.try_render(uploaded, wanted, stage)
             }
             done => done,
@@ -267,7 +267,7 @@ impl Work {
         };
         let begin = Instant::now();
         let options = options.g_buffer(GBuffer::Depth);
-        let pair = self.renderer.render_with(uploaded, &camera, &options, &mut go_on)?;
+        let pair = self.renderer.pair(uploaded, &camera).options(&options).progress(&mut go_on).read().wait()?;
         let time = begin.elapsed();
         if stage != Stage::Whole || wanted.options == drafted {
             self.cost = Some(time.as_secs_f64() / (f64::from(w) * f64::from(h)));
@@ -310,7 +310,7 @@ mod tests {
     fn worker() -> (Worker, mpsc::Receiver<Said>) {
         let global = Cli::parse_from(["stereotrace", "--adapter", "software", "info"]).global;
         let renderer = Renderer::new(global.gpu().unwrap());
-        let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
+        let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
         let (say, said) = mpsc::channel();
         let worker =
             Worker::new((renderer, uploaded), Builtin::Hall.scene(), global, move |what| drop(say.send(what))).unwrap();

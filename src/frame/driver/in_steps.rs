@@ -112,6 +112,7 @@ impl Driver<'_> {
 
 #[cfg(test)]
 mod tests {
+    use crate::blocking::Wait;
     use std::ops::ControlFlow;
 
     use super::*;
@@ -126,7 +127,7 @@ mod tests {
     };
 
     fn gpu() -> Gpu {
-        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap()
+        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).wait().unwrap()
     }
 
     fn in_steps_of(rounds: u32) -> Steps {
@@ -228,12 +229,12 @@ mod tests {
             let options = Options::new(method).linear(true).occlusion(occlusion).sky_rays(sky_rays);
             Options { cost_map: costs, ..options }
         };
-        let uploaded = renderer.upload(scene).unwrap();
+        let uploaded = renderer.upload(scene).wait().unwrap();
         renderer.steps = Steps::default();
-        let expected = shown(renderer.render(&uploaded, camera, &options(Method::Naive)).unwrap());
+        let expected = shown(renderer.pair(&uploaded, camera).options(&options(Method::Naive)).read().wait().unwrap());
         for rounds in [1, 29, 1024] {
             renderer.steps = in_steps_of(rounds);
-            let pair = renderer.render(&uploaded, camera, &options(Method::BRACKET)).unwrap();
+            let pair = renderer.pair(&uploaded, camera).options(&options(Method::BRACKET)).read().wait().unwrap();
             let what = format!("{name}, {:?}, {rounds} rounds a step", uploaded.info().traversal);
             assert!(pair.statistics.in_steps, "{what}");
             assert_counts_alike(&pair, &expected, &what);
@@ -267,16 +268,16 @@ mod tests {
         let (scene, camera) = (&mut Scene::new(), Builtin::Hall.camera(9, 5));
         scene.lights = vec![Light::point(Vec3::Y, Vec3::ONE); 70_000];
         let mut renderer = Renderer::new(gpu());
-        let uploaded = renderer.upload(scene).unwrap();
+        let uploaded = renderer.upload(scene).wait().unwrap();
         let options = Options::new(Method::Naive);
-        let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         let info = renderer.gpu.adapter_info();
         if info.driver != "llvmpipe" {
             return; // nothing bounds its loops
         }
         assert!(pair.statistics.in_steps);
         renderer.steps = in_steps_of(1 << 30);
-        let message = renderer.render(&uploaded, &camera, &options).unwrap_err().to_string();
+        let message = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err().to_string();
         assert!(message.contains("threads needs more loop iterations"), "{message}");
     }
 
@@ -284,11 +285,11 @@ mod tests {
     fn bands_and_what_is_kept_of_pixels_change_no_frame_in_steps() {
         let camera = Builtin::Hall.camera(90, 61);
         let mut renderer = Renderer::new(gpu());
-        let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
+        let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
         for g_buffer in [GBuffer::Ids, GBuffer::Depth, GBuffer::None] {
             let options = Options::new(Method::Naive).g_buffer(g_buffer);
             renderer.steps = Steps::default();
-            let expected = shown(renderer.render(&uploaded, &camera, &options).unwrap());
+            let expected = shown(renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap());
             renderer.steps = Steps { threads: 48 * 16, ..in_steps_of(1024) };
             let (mut last, mut calls) = (0.0, 0);
             let mut progress = |progress: Progress| {
@@ -296,11 +297,12 @@ mod tests {
                 (last, calls) = (progress.done, calls + 1);
                 ControlFlow::Continue(())
             };
-            let pair = renderer.render_with(&uploaded, &camera, &options, &mut progress).unwrap();
+            let pair =
+                renderer.pair(&uploaded, &camera).options(&options).progress(&mut progress).read().wait().unwrap();
             assert!(shown(pair) == expected, "{g_buffer:?}");
             assert!((last, calls >= 4) == (1.0, true), "{last} after {calls} calls");
             let mut stop = |_| ControlFlow::Break(());
-            let stopped = renderer.render_with(&uploaded, &camera, &options, &mut stop);
+            let stopped = renderer.pair(&uploaded, &camera).options(&options).progress(&mut stop).read().wait();
             assert!(matches!(stopped, Err(Error::Cancelled)), "{stopped:?}");
         }
     }
@@ -313,13 +315,13 @@ mod tests {
         for traversal in [Traversal::ALL[0], Traversal::ALL[5]] {
             let mut renderer = Renderer::with_traversal(gpu.clone(), traversal);
             for (name, scene, camera) in scenes() {
-                let uploaded = renderer.upload(&scene).unwrap();
+                let uploaded = renderer.upload(&scene).wait().unwrap();
                 let eye = camera.pose().unwrap().eye;
                 let rays: Vec<_> = directions.iter().map(|&way| Ray::new(eye, way).t_min(0.1).t_max(9.0)).collect();
                 let mut hits = |steps| {
                     renderer.steps = steps;
-                    let closest = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
-                    (closest, renderer.any_hits(&uploaded, &rays).unwrap().hits)
+                    let closest = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
+                    (closest, renderer.any_hits(&uploaded, &rays).wait().unwrap().hits)
                 };
                 let expected = hits(Steps::default());
                 assert!(name == "nothing" || expected.1.contains(&true) && expected.1.contains(&false), "{name}");

@@ -139,6 +139,7 @@ fn linear_color(kind: image::ColorType, pixel: &[u8]) -> Result<Vec3, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blocking::Wait;
     use crate::{Gpu, SkyMap};
 
     #[test]
@@ -247,7 +248,7 @@ mod tests {
         assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047"), "{message}");
         // The adapter's own limit; lavapipe's is 2048 times 16384 texels.
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let gpu = Gpu::open(wanted).unwrap();
+        let gpu = Gpu::open(wanted).wait().unwrap();
         let most = Limits::default().gpu(&gpu).sky_pixels(u64::MAX).largest_sky();
         assert!(most < u64::MAX && most >= Limits::default().largest_sky(), "{most}");
         assert_eq!(Limits::default().sky_pixels(9).gpu(&gpu).largest_sky(), 9);

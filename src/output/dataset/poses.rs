@@ -105,13 +105,8 @@ impl<'a> FreePoses<'a> {
     ///
     /// # Errors
     /// [`Error::Options`] if 2000 candidates were rejected, with the reasons; and the errors of
-    /// [`Renderer::closest_hits_async`].
-    pub async fn find_async(
-        &self,
-        renderer: &Renderer,
-        uploaded: &UploadedScene,
-        item: u32,
-    ) -> Result<RandomPose, Error> {
+    /// [`Renderer::closest_hits`].
+    pub async fn find(&self, renderer: &Renderer, uploaded: &UploadedScene, item: u32) -> Result<RandomPose, Error> {
         let given = self.camera.pose()?;
         let sides = self.sides(given.eye, &self.around(renderer, uploaded, given.eye).await?);
         let mut random = Random(pcg(pcg(self.seed).wrapping_add(item)));
@@ -162,7 +157,7 @@ impl<'a> FreePoses<'a> {
     /// Traces rays in all directions from a place.
     async fn around(&self, renderer: &Renderer, uploaded: &UploadedScene, place: DVec3) -> Result<Vec<RayHit>, Error> {
         let rays: Vec<Ray> = (0..DIRECTIONS).map(|index| Ray::new(place, direction(index))).collect();
-        Ok(renderer.closest_hits_async(uploaded, &rays).await?.hits)
+        Ok(renderer.closest_hits(uploaded, &rays).await?.hits)
     }
 
     /// Returns, for each object visible from a place, whether more back faces than front faces are seen.
@@ -222,7 +217,7 @@ impl<'a> FreePoses<'a> {
         if between != DVec3::ZERO {
             rays.push(Ray::new(eyes[0].eye(), between.as_vec3()).t_max(1.0));
         }
-        let hits = renderer.closest_hits_async(uploaded, &rays).await?.hits;
+        let hits = renderer.closest_hits(uploaded, &rays).await?.hits;
         let (seen, between) = hits.split_at(2 * across * down);
         let too_far_aside = |hit: &RayHit| pose.disparity_px(hit.t).abs() >= f64::from(self.disparity);
         let surfaces = seen[..across * down].iter().filter(|hit| hit.t.is_finite()).count();

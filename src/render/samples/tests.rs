@@ -1,5 +1,6 @@
 //! Compares unfiltered samples with plain Rust and with `Naive`.
 
+use crate::blocking::Wait;
 use glam::Vec3;
 
 use super::*;
@@ -13,7 +14,7 @@ use crate::{
 
 fn renderer() -> Renderer {
     let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-    let mut renderer = Renderer::new(Gpu::open(wanted).unwrap());
+    let mut renderer = Renderer::new(Gpu::open(wanted).wait().unwrap());
     // Several bands even for small pictures.
     renderer.band_pixels = 64 * 64;
     renderer
@@ -48,7 +49,7 @@ fn camera(width: u32, height: u32) -> StereoCamera {
 
 /// Returns the jittered samples of all views, `side` a side of a pixel, whether traced or reused.
 fn samples(renderer: &mut Renderer, scene: &Scene, eyes: &Eyes, side: u32, options: &Options) -> Vec<ViewRows> {
-    let uploaded = renderer.upload(scene).unwrap();
+    let uploaded = renderer.upload(scene).wait().unwrap();
     let finer = eyes.with_samples(side).unwrap();
     let options = Options { samples: side * side, jitter: true, linear: true, ..options.clone() };
     let mut views = vec![ViewRows::new(finer.pose.size[0]); eyes.sources.len()];

@@ -1,5 +1,6 @@
 //! Compares filled tables with brute force in plain Rust.
 
+use crate::blocking::Wait;
 use glam::{Vec2, Vec3};
 
 use super::*;
@@ -14,7 +15,7 @@ use crate::{
 const GRAZING: f32 = 1e-3;
 
 fn renderer() -> Renderer {
-    Renderer::new(Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap())
+    Renderer::new(Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).wait().unwrap())
 }
 
 impl Tables {
@@ -80,7 +81,7 @@ fn tables_of(renderer: &Renderer, uploaded: &UploadedScene, rows: u32, rule: Sha
 /// Returns how many texels of all lights show another primitive than brute force finds, and the number of all. Asserts
 /// t.
 fn differing(renderer: &Renderer, scene: &Scene, rows: u32, rule: ShadowRule) -> (usize, usize) {
-    let uploaded = renderer.upload(scene).unwrap();
+    let uploaded = renderer.upload(scene).wait().unwrap();
     let tables = tables_of(renderer, &uploaded, rows, rule);
     let (mut differing, mut all) = (0, 0);
     for (index, layer) in tables.layers.iter().enumerate() {
@@ -140,7 +141,7 @@ fn tables_that_are_drawn_in_bands_are_whole() {
     let renderer = renderer();
     let mut scene = scene(true, 12);
     scene.lights.push(Light::point(Vec3::new(0.1, 0.2, -0.3), Vec3::ONE));
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     for rule in [ShadowRule::Object, ShadowRule::HYBRID] {
         let tables = tables_of(&renderer, &uploaded, 1100, rule);
         let Layer { light, mapping, .. } = tables.layers[0];
@@ -173,7 +174,7 @@ fn nothing_stands_before_what_an_unmarked_texel_shows() {
         for position in [Vec3::new(0.1, 0.2, -0.3), within, Vec3::new(9.0, 4.0, -7.0), Vec3::new(0.0, 30.0, 0.0)] {
             scene.lights.push(Light::point(position, Vec3::ONE));
         }
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let tables = tables_of(&renderer, &uploaded, rows, ShadowRule::Hybrid { margin: 0.0 });
         for (index, Layer { light, mapping, .. }) in tables.layers.iter().enumerate() {
             let texels = pollster::block_on(tables.read(&renderer.gpu, index as u32));
@@ -209,7 +210,7 @@ fn a_table_is_kept_until_its_light_moves_or_the_scene_does() {
     let renderer = renderer();
     let mut scene = scene(false, 3);
     scene.lights = [Vec3::ZERO, Vec3::new(0.0, 8.0, 1.0)].map(|position| Light::point(position, Vec3::ONE)).to_vec();
-    let mut uploaded = renderer.upload(&scene).unwrap();
+    let mut uploaded = renderer.upload(&scene).wait().unwrap();
     let options = Options::new(Method::Naive).shadow_buffer(ShadowBuffer::new(20));
     let filled = |uploaded: &UploadedScene, options: &Options| {
         let (tables, work) = pollster::block_on(renderer.shadow_tables(uploaded, options)).unwrap().unwrap();
@@ -229,16 +230,16 @@ fn a_table_is_kept_until_its_light_moves_or_the_scene_does() {
     assert!(filled(&uploaded, &options).0 > 0);
     let before = tables_of(&renderer, &uploaded, 20, ShadowRule::HYBRID);
     scene.lights[0].position.x = 0.25;
-    renderer.update(&mut uploaded, &scene, crate::Update::Refit).unwrap();
+    renderer.update(&mut uploaded, &scene, crate::Update::Refit).wait().unwrap();
     let kept = pollster::block_on(before.read(&renderer.gpu, 0));
     assert_eq!(filled(&uploaded, &options).0, 800 + counts[1], "what a frame still reads is not filled anew");
     assert!(kept == pollster::block_on(before.read(&renderer.gpu, 0)));
     drop(before);
     scene.lights[0].position.x = 0.5;
-    renderer.update(&mut uploaded, &scene, crate::Update::Refit).unwrap();
+    renderer.update(&mut uploaded, &scene, crate::Update::Refit).wait().unwrap();
     assert_eq!(filled(&uploaded, &options).0, 800, "only the light that moved");
     scene.set_sphere(scene.object_of(20), Sphere::new(Vec3::X, 0.5, MaterialId(0))).unwrap();
-    renderer.update(&mut uploaded, &scene, crate::Update::Refit).unwrap();
+    renderer.update(&mut uploaded, &scene, crate::Update::Refit).wait().unwrap();
     assert!(filled(&uploaded, &options).0 > 800);
 }
 
@@ -250,7 +251,7 @@ fn lights_that_have_no_table_are_left_out() {
     scene.lights = (0..40).map(point).collect();
     scene.lights[0] = Light::sphere(Vec3::Y, 0.5, Vec3::ONE);
     let options = Options::new(Method::Naive).shadow_buffer(ShadowBuffer::new(4));
-    let reading = |scene: &Scene| renderer.upload(scene).unwrap().shadow_reading(&options);
+    let reading = |scene: &Scene| renderer.upload(scene).wait().unwrap().shadow_reading(&options);
     assert_eq!(reading(&scene).unwrap().lights, 0x1fffe);
     scene.lights.iter_mut().take(16).for_each(|light| *light = Light::sphere(Vec3::Y, 0.5, Vec3::ONE));
     assert_eq!(reading(&scene).unwrap().lights, 0xffff_0000);
@@ -259,9 +260,12 @@ fn lights_that_have_no_table_are_left_out() {
     scene.lights.clear();
     assert_eq!(reading(&scene), None);
     let camera: StereoCamera = Builtin::Hall.camera(9, 5);
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let mut renderer = renderer;
-    assert_eq!(renderer.render(&uploaded, &camera, &options).unwrap().statistics.shadow_buffer, Default::default());
+    assert_eq!(
+        renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap().statistics.shadow_buffer,
+        Default::default()
+    );
 }
 
 /// Lists of the hybrid rule hold primitives that touch a texel, lists of the others those that cover its middle. The
@@ -269,7 +273,7 @@ fn lights_that_have_no_table_are_left_out() {
 #[test]
 fn rules_show_the_same_primitives() {
     let renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Near.scene()).wait().unwrap();
     let [hybrid, depth] = [ShadowRule::HYBRID, ShadowRule::DEPTH].map(|rule| {
         let tables = tables_of(&renderer, &uploaded, 100, rule);
         let layers = 0..tables.layers.len() as u32;

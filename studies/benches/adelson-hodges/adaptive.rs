@@ -2,6 +2,7 @@
 
 use stereotrace::{
     Adaptive, Error, GBuffer, Method, Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, View,
+    blocking::Wait,
     scene::builtin::{Builtin, RandomObjects},
     testing::cpu,
 };
@@ -85,10 +86,14 @@ fn by_bracket(
     levels: u32,
     setting: &impl Fn(&str) -> Setting,
 ) -> Result<Vec<Row>, Error> {
-    let uploaded = renderer.upload(scene)?;
+    let uploaded = renderer.upload(scene).wait()?;
     let mut render = |method| {
         let adaptive = Adaptive::new(levels, TOLERANCE.into());
-        renderer.render(&uploaded, &camera, &options(method).g_buffer(GBuffer::None).adaptive(adaptive))
+        renderer
+            .pair(&uploaded, &camera)
+            .options(&options(method).g_buffer(GBuffer::None).adaptive(adaptive))
+            .read()
+            .wait()
     };
     let (naive, bracket) = (render(Method::Naive)?.statistics, render(Method::BRACKET)?.statistics);
     let pixels = camera.pose()?.size.map(f64::from).iter().product::<f64>();
@@ -171,18 +176,19 @@ fn at_equal_error(
     plan: &Plan,
 ) -> Result<Vec<Row>, Error> {
     eprintln!("{name}: adaptive samples and n x n of one error");
-    let uploaded = renderer.upload(scene)?;
+    let uploaded = renderer.upload(scene).wait()?;
     let pose = camera.pose()?;
     let [width, height] = pose.size;
     let finer = camera.interaxial(pose.interaxial).size(TRUE_SIDE * width, TRUE_SIDE * height);
     let plain = |method| Options::new(method).linear(true).g_buffer(GBuffer::None);
     let samples = if plan.smoke { 1 } else { TRUE_SAMPLES };
-    let truth = renderer.render(&uploaded, &finer, &plain(Method::Naive).samples(samples))?;
+    let truth = renderer.pair(&uploaded, &finer).options(&plain(Method::Naive).samples(samples)).read().wait()?;
     let truth = [&truth.left, &truth.right].map(|view| means(view, [width, height]));
     let rays = |pair: &StereoPair| (pair.statistics.left.rays.total() + pair.statistics.right.rays.total()) as f64;
     let mut grids = Vec::new();
     for side in 1..=if plan.smoke { 2 } else { 8 } {
-        let pair = renderer.render(&uploaded, &camera, &plain(Method::Naive).samples(side * side))?;
+        let pair =
+            renderer.pair(&uploaded, &camera).options(&plain(Method::Naive).samples(side * side)).read().wait()?;
         grids.push((rays(&pair), mean_square(&pair, &truth)));
     }
     let mut rows = Vec::new();
@@ -211,7 +217,7 @@ fn of_levels(
     options: Options,
     levels: u32,
 ) -> Result<StereoPair, Error> {
-    renderer.render(scene, camera, &options.adaptive(Adaptive::new(levels, TOLERANCE.into())))
+    renderer.pair(scene, camera).options(&options.adaptive(Adaptive::new(levels, TOLERANCE.into()))).read().wait()
 }
 
 /// Rays of a grid of that error, between two that were measured: error falls by a power of rays.

@@ -1,6 +1,6 @@
 //! Rays, as the paper counts them.
 
-use stereotrace::{Error, Finish, Method, Options, Renderer, Scene, StereoCamera, StereoPair};
+use stereotrace::{Error, Finish, Method, Options, Renderer, Scene, StereoCamera, StereoPair, blocking::Wait};
 
 /// Levels of rays, the paper's L: what it calls common.
 pub(crate) const LEVELS: u32 = 5;
@@ -54,8 +54,9 @@ pub(crate) fn rays_as_in_the_paper(
         return Ok(rays.total());
     }
     let mut of_first_hits = |scene: &Scene| {
-        let uploaded = renderer.upload(scene)?;
-        let first_hits = renderer.render(&uploaded, camera, &Options::new(pair.statistics.method).bounces(0))?;
+        let uploaded = renderer.upload(scene).wait()?;
+        let first_hits =
+            renderer.pair(&uploaded, camera).options(&Options::new(pair.statistics.method).bounces(0)).read().wait()?;
         Ok::<_, Error>(first_hits.statistics.right.rays.shadow)
     };
     Ok(rays.total() - of_first_hits(scene)? + of_first_hits(&dull(scene))?)

@@ -2,6 +2,7 @@
 
 use stereotrace::{
     Error, GBuffer, Method, Options, Renderer, Scene, StereoCamera, StereoPair,
+    blocking::Wait,
     metrics::{self, Difference},
 };
 
@@ -16,8 +17,8 @@ pub(crate) fn camera(camera: StereoCamera, side: u32) -> Result<StereoCamera, Er
 
 /// All of them, traced.
 pub(crate) fn samples(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera) -> Result<StereoPair, Error> {
-    let uploaded = renderer.upload(scene)?;
-    renderer.render(&uploaded, camera, &Options::new(Method::Naive).g_buffer(GBuffer::Depth))
+    let uploaded = renderer.upload(scene).wait()?;
+    renderer.pair(&uploaded, camera).options(&Options::new(Method::Naive).g_buffer(GBuffer::Depth)).read().wait()
 }
 
 /// How far colours of pixels are from the true ones.

@@ -28,7 +28,7 @@ mod worst;
 use std::{error::Error, process::ExitCode};
 
 use clap::Parser;
-use stereotrace::{Gpu, Renderer};
+use stereotrace::{Gpu, Renderer, blocking::Wait};
 
 use crate::{
     common::provenance::Provenance,
@@ -41,7 +41,7 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     let plan = options.plan();
-    let mut renderer = Renderer::new(Gpu::new()?);
+    let mut renderer = Renderer::new(Gpu::new().wait()?);
     let provenance = Provenance::of(renderer.gpu());
     let mut rows = Vec::new();
     for part in &plan.parts {

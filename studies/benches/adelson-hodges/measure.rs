@@ -2,6 +2,7 @@
 
 use stereotrace::{
     Error, Method, Options, PixelSource, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, View,
+    blocking::Wait,
     metrics::{self, Difference},
 };
 
@@ -51,13 +52,17 @@ impl<'a> Subject<'a> {
         camera: StereoCamera,
         samples: u32,
     ) -> Result<Self, Error> {
-        let uploaded = renderer.upload(scene)?;
-        let naive = renderer.render(&uploaded, &camera, &options(Method::Naive).samples(samples).jitter(false))?;
+        let uploaded = renderer.upload(scene).wait()?;
+        let naive = renderer
+            .pair(&uploaded, &camera)
+            .options(&options(Method::Naive).samples(samples).jitter(false))
+            .read()
+            .wait()?;
         Ok(Self { scene, uploaded, camera, samples, naive })
     }
 
     pub(crate) fn pair(&self, renderer: &mut Renderer, method: Method) -> Result<StereoPair, Error> {
-        renderer.render(&self.uploaded, &self.camera, &self.options(method))
+        renderer.pair(&self.uploaded, &self.camera).options(&self.options(method)).read().wait()
     }
 
     fn options(&self, method: Method) -> Options {

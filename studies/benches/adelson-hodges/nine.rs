@@ -4,7 +4,7 @@
 
 use std::{error::Error, path::Path};
 
-use stereotrace::{GBuffer, Method, Options, Renderer, StereoCamera, View, testing::cpu};
+use stereotrace::{GBuffer, Method, Options, Renderer, StereoCamera, View, blocking::Wait, testing::cpu};
 
 use crate::{
     groups::lit,
@@ -96,9 +96,10 @@ fn measure(
     folder: &Path,
 ) -> Result<[f64; 6], Box<dyn Error>> {
     let samples = lattice::samples(renderer, scene, &lattice::camera(camera, 2)?)?;
-    let uploaded = renderer.upload(scene)?;
+    let uploaded = renderer.upload(scene).wait()?;
     // Depths of aiming rays, and what pixels' centres show.
-    let aims = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).g_buffer(GBuffer::Ids))?;
+    let aims =
+        renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive).g_buffer(GBuffer::Ids)).read().wait()?;
     let size = aims.pose.size;
     let width = size[0] as usize;
     let [left, truth] = [&samples.left, &samples.right].map(|view| pixels(view, size));

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use stereotrace::{Error, Method, Options, Renderer, Scene, StereoCamera, scene::builtin::Builtin};
+use stereotrace::{Error, Method, Options, Renderer, Scene, StereoCamera, blocking::Wait, scene::builtin::Builtin};
 
 use crate::{
     common::rounds::{Spread, order},
@@ -61,13 +61,13 @@ fn of_samples(
     samples: u32,
     rounds: usize,
 ) -> Result<Vec<[f64; METHODS.len()]>, Error> {
-    let uploaded = renderer.upload(scene)?;
+    let uploaded = renderer.upload(scene).wait()?;
     let mut times = vec![[0.0; METHODS.len()]; rounds + 1];
     for (round, times) in times.iter_mut().enumerate() {
         for index in order(round, METHODS.len()) {
             let options = Options::new(METHODS[index]).samples(samples).jitter(false);
             let start = Instant::now();
-            let passes = renderer.trace(&uploaded, camera, &options)?.times;
+            let passes = renderer.pair(&uploaded, camera).options(&options).trace().wait()?.times;
             // Without timestamps, by the host's clock.
             let total = passes.map_or_else(|| start.elapsed(), |passes| passes.total());
             times[index] = total.as_secs_f64() * 1e3;

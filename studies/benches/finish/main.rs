@@ -15,7 +15,7 @@ mod finishes;
 use std::error::Error;
 
 use serde_json::json;
-use stereotrace::{Gpu, Method, Renderer, metrics::compare};
+use stereotrace::{Gpu, Method, Renderer, blocking::Wait, metrics::compare};
 
 use crate::{
     common::{
@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let quick = is_quick();
     let (side, rounds) = if quick { (40, 1) } else { (400, 3) };
     let names = scenes_named(&["hall", "sponza_4x"]);
-    let gpu = Gpu::new()?;
+    let gpu = Gpu::new().wait()?;
     let provenance = Provenance::of(&gpu);
     println!("{provenance}\n");
     println!("{side}x{side}, {rounds} rounds\n");
@@ -105,13 +105,13 @@ fn measure(
     plain_ms: f64,
 ) -> Result<Figures, Box<dyn Error>> {
     let BenchScene { name, camera, .. } = bench;
-    let uploaded = renderer.upload(&finished.scene)?;
+    let uploaded = renderer.upload(&finished.scene).wait()?;
     let options = |method| finished.options.clone().method(method);
     let mut times = METHODS.map(|_| Vec::new());
     // The first round compiles kernels.
     for round in 0..=rounds {
         for index in order(round, METHODS.len()) {
-            let statistics = renderer.trace(&uploaded, camera, &options(METHODS[index]))?;
+            let statistics = renderer.pair(&uploaded, camera).options(&options(METHODS[index])).trace().wait()?;
             let total = statistics.times.ok_or("this adapter has no timestamps")?.total().as_secs_f64();
             times[index].extend((round > 0).then_some(1e3 * total));
         }
@@ -120,7 +120,7 @@ fn measure(
     let second = Spread::of(times[1].iter().zip(&times[2]).map(|(first, pair)| (pair - first) / first));
     let [naive_ms, first, pair_ms] = times.map(Spread::of);
     let [naive_ms, first_ms, pair_ms] = [naive_ms, first, pair_ms].map(|spread| spread.median);
-    let mut counted = |method| renderer.render(&uploaded, camera, &options(method).count(true));
+    let mut counted = |method| renderer.pair(&uploaded, camera).options(&options(method).count(true)).read().wait();
     let (naive, pair) = (counted(Method::Naive)?, counted(Method::BRACKET)?);
     let difference = compare(&pair.right, &naive.right, &pair.pose)?;
     Ok(Figures {

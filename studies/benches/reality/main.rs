@@ -22,7 +22,7 @@ mod ways;
 use std::{error::Error, process::ExitCode};
 
 use clap::Parser;
-use stereotrace::{Gpu, Renderer};
+use stereotrace::{Gpu, Renderer, blocking::Wait};
 
 use crate::{
     common::provenance::Provenance,
@@ -36,7 +36,7 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     let plan = options.plan();
-    let mut renderer = Renderer::new(Gpu::new()?);
+    let mut renderer = Renderer::new(Gpu::new().wait()?);
     let mut report = Report::new(Provenance::of(renderer.gpu()));
     for part in &plan.parts {
         match part {

@@ -3,7 +3,9 @@
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use stereotrace::{Error, GBuffer, Options, Renderer, Rig, Scene, ShadowBufferWork, StereoCamera, UploadedScene, Work};
+use stereotrace::{
+    Error, GBuffer, Options, Renderer, Rig, Scene, ShadowBufferWork, StereoCamera, UploadedScene, Work, blocking::Wait,
+};
 
 use crate::{
     common::{
@@ -92,7 +94,7 @@ impl<'a> View<'a> {
         let options: Vec<Options> = ways.iter().map(|way| way.options()).collect();
         let mut scenes = Vec::new();
         for way in ways {
-            scenes.push(renderer.upload_with(self.scene, way.build())?);
+            scenes.push(renderer.upload_with(self.scene, way.build()).wait()?);
         }
         let mut times: Vec<Vec<([f64; 2], bool)>> = vec![Vec::new(); ways.len()];
         for round in 0..=rounds {
@@ -103,7 +105,7 @@ impl<'a> View<'a> {
             for index in turns {
                 if ways[index].table.is_some_and(|table| !table.kept) {
                     // A scene keeps its shadow-buffers from frame to frame, and the paper's times have them filled.
-                    scenes[index] = renderer.upload_with(self.scene, ways[index].build())?;
+                    scenes[index] = renderer.upload_with(self.scene, ways[index].build()).wait()?;
                 }
                 let time = self.time(renderer, &scenes[index], &options[index])?;
                 if round > 0 {
@@ -113,8 +115,9 @@ impl<'a> View<'a> {
         }
         let mut all = Vec::new();
         for (index, &way) in ways.iter().enumerate() {
-            let scene = renderer.upload_with(self.scene, way.build())?;
-            let mut count = || renderer.render_views(&scene, &self.rig, &options[index].clone().count(true));
+            let scene = renderer.upload_with(self.scene, way.build()).wait()?;
+            let mut count =
+                || renderer.views(&scene, &self.rig).options(&options[index].clone().count(true)).read().wait();
             if way.table.is_some_and(|table| table.kept) {
                 count()?;
             }
@@ -141,7 +144,7 @@ impl<'a> View<'a> {
         options: &Options,
     ) -> Result<([f64; 2], bool), Error> {
         let start = Instant::now();
-        let views = renderer.render_views(scene, &self.rig, &options.clone().g_buffer(GBuffer::None))?;
+        let views = renderer.views(scene, &self.rig).options(&options.clone().g_buffer(GBuffer::None)).read().wait()?;
         let wall = 1e3 * start.elapsed().as_secs_f64();
         Ok(([wall, views.times.map_or(f64::NAN, |times| 1e3 * times.total().as_secs_f64())], views.in_steps))
     }

@@ -5,6 +5,7 @@ use std::{error::Error, fmt::Write};
 use serde_json::{Value, json};
 use stereotrace::{
     Renderer, Rig, RigView, Scene, StereoCamera,
+    blocking::Wait,
     output::Picture,
     scene::builtin::{Builtin, StackedObjects},
 };
@@ -31,8 +32,8 @@ pub(crate) fn view(
     camera: StereoCamera,
     way: Way,
 ) -> Result<RigView, Box<dyn Error>> {
-    let uploaded = renderer.upload_with(scene, way.build())?;
-    let mut views = renderer.render_views(&uploaded, &Rig::at(camera, vec![0.0]), &way.options())?;
+    let uploaded = renderer.upload_with(scene, way.build()).wait()?;
+    let mut views = renderer.views(&uploaded, &Rig::at(camera, vec![0.0])).options(&way.options()).read().wait()?;
     Ok(views.views.remove(0))
 }
 

@@ -17,7 +17,7 @@ use std::{error::Error, fmt::Write, time::Instant};
 
 use stereotrace::{
     Gpu, Method, Options, Renderer, Rig, ShadowBuffer, ShadowBufferWork, ShadowRule, Statistics, StereoCamera,
-    StereoPair, UploadedScene, View,
+    StereoPair, UploadedScene, View, blocking::Wait,
 };
 
 use crate::common::{
@@ -96,7 +96,7 @@ fn name_of(rule: ShadowRule) -> String {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let asked = Asked::read()?;
-    let gpu = Gpu::new()?;
+    let gpu = Gpu::new().wait()?;
     let provenance = Provenance::of(&gpu);
     println!("{provenance}\n");
     let mut renderer = Renderer::new(gpu);
@@ -160,7 +160,7 @@ struct Case {
 
 impl Case {
     fn new(renderer: &mut Renderer, bench: &BenchScene, options: Options) -> Result<Self, Box<dyn Error>> {
-        Ok(Self { options, uploaded: renderer.upload(&bench.scene)?, times: Vec::new() })
+        Ok(Self { options, uploaded: renderer.upload(&bench.scene).wait()?, times: Vec::new() })
     }
 
     fn median(&self) -> f64 {
@@ -195,18 +195,18 @@ fn measure(
         for round in 0..=asked.rounds {
             for index in order(round, cases.len()) {
                 let Case { options, uploaded, times } = &mut cases[index];
-                let statistics = renderer.trace(uploaded, camera, options)?;
+                let statistics = renderer.pair(uploaded, camera).options(options).trace().wait()?;
                 if round > 0 {
                     times.extend(statistics.times.map(|times| 1e3 * times.total().as_secs_f64()));
                 }
             }
         }
         let by_rays = Rays::of(renderer, &cases[0], camera)?;
-        let truth = renderer.render(&cases[0].uploaded, camera, &plain)?;
+        let truth = renderer.pair(&cases[0].uploaded, camera).options(&plain).read().wait()?;
         let ms_by_rays = cases[0].median();
         for (case, (rule, rows)) in cases.iter().skip(1).zip(asks) {
             let rays = Rays::of(renderer, case, camera)?;
-            let pair = renderer.render(&case.uploaded, camera, &case.options)?;
+            let pair = renderer.pair(&case.uploaded, camera).options(&case.options).read().wait()?;
             let (work, fill_ms) = filling(renderer, bench, &case.options)?;
             let saved = |with: u64, without: u64| 100.0 * (1.0 - with as f64 / without as f64);
             let figures = Figures {
@@ -252,15 +252,15 @@ fn filling(
     options: &Options,
 ) -> Result<(ShadowBufferWork, f64), Box<dyn Error>> {
     let camera = bench.camera.size(16, 16);
-    let counted = renderer.upload(&bench.scene)?;
-    let work = renderer.trace(&counted, &camera, &options.clone().count(true))?.shadow_buffer;
+    let counted = renderer.upload(&bench.scene).wait()?;
+    let work = renderer.pair(&counted, &camera).options(&options.clone().count(true)).trace().wait()?.shadow_buffer;
     let mut least = f64::INFINITY;
     for _ in 0..3 {
-        let uploaded = renderer.upload(&bench.scene)?;
+        let uploaded = renderer.upload(&bench.scene).wait()?;
         let mut times = [0.0; 2];
         for ms in &mut times {
             let begin = Instant::now();
-            renderer.trace(&uploaded, &camera, options)?;
+            renderer.pair(&uploaded, &camera).options(options).trace().wait()?;
             *ms = 1e3 * begin.elapsed().as_secs_f64();
         }
         least = least.min(times[0] - times[1]);
@@ -282,8 +282,12 @@ impl Rays {
         camera: &StereoCamera,
     ) -> Result<Self, Box<dyn Error>> {
         let of_pair = |statistics: &Statistics| statistics.left.rays.shadow + statistics.right.rays.shadow;
-        let pair = of_pair(&renderer.trace(uploaded, camera, options)?);
-        let rig = renderer.render_views(uploaded, &Rig::row(camera.interaxial_pixels(NEIGHBOURS), VIEWS), options)?;
+        let pair = of_pair(&renderer.pair(uploaded, camera).options(options).trace().wait()?);
+        let rig = renderer
+            .views(uploaded, &Rig::row(camera.interaxial_pixels(NEIGHBOURS), VIEWS))
+            .options(options)
+            .read()
+            .wait()?;
         let mut film = 0;
         let pose = camera.pose()?;
         for frame in 0..VIEWS {
@@ -291,7 +295,7 @@ impl Rays {
             let aside = pose.right * (pose.interaxial * (frame as f32 - 0.5 * VIEWS as f32));
             let eye = pose.eye + aside.as_dvec3();
             let moved = camera.eye(eye).target(eye + (pose.screen_distance * pose.forward).as_dvec3());
-            film += of_pair(&renderer.trace(uploaded, &moved, options)?);
+            film += of_pair(&renderer.pair(uploaded, &moved).options(options).trace().wait()?);
         }
         Ok(Self { pair, rig: rig.views.iter().map(|view| view.work.rays.shadow).sum(), film })
     }

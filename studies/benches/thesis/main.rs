@@ -20,7 +20,7 @@ use std::{
 };
 
 use clap::Parser;
-use stereotrace::{BufferDepth, Check, Gpu, Method, Renderer};
+use stereotrace::{BufferDepth, Check, Gpu, Method, Renderer, blocking::Wait};
 
 use crate::{
     common::{
@@ -95,7 +95,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     };
     let folder = arguments.out.clone().unwrap_or_else(|| target.join(standard));
     let stability = Stability::read(&target.join("bench/stability"))?;
-    let mut renderer = Renderer::new(Gpu::new()?);
+    let mut renderer = Renderer::new(Gpu::new().wait()?);
     let provenance = Provenance::of(renderer.gpu());
     let results = folder.join(RESULTS);
     let mut records = if arguments.fresh || smoke { Vec::new() } else { earlier(&results, &provenance)? };

@@ -5,7 +5,9 @@ use std::{error::Error, io::Cursor};
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use stereotrace::{
-    Check, Method, Options, PixelSource, Renderer, ShadowSource, StereoPair, View, metrics,
+    Check, Method, Options, PixelSource, Renderer, ShadowSource, StereoPair, View,
+    blocking::Wait,
+    metrics,
     output::{Anaglyph, Picture as Pixels},
 };
 
@@ -28,8 +30,10 @@ pub(crate) fn of(
     let mut pictures = Vec::new();
     for name in names {
         let Some(bench) = scenes::load_thesis(name, [side; 2], e_px, None)? else { continue };
-        let uploaded = renderer.upload(&bench.scene)?;
-        let mut render = |method| renderer.render(&uploaded, &bench.camera, &Options::new(method).cost_map(true));
+        let uploaded = renderer.upload(&bench.scene).wait()?;
+        let mut render = |method| {
+            renderer.pair(&uploaded, &bench.camera).options(&Options::new(method).cost_map(true)).read().wait()
+        };
         let naive = render(Method::Naive)?;
         let white = white(&naive.left);
         let mut add = |method: &str, kind: &str, caption: String, picture: &Pixels| {
@@ -71,8 +75,8 @@ pub(crate) fn sources(
     let mut all = Vec::new();
     for name in names {
         let Some(bench) = scenes::load(name, size, e_px, None)? else { continue };
-        let uploaded = renderer.upload(&bench.scene)?;
-        let mut render = |method| renderer.render(&uploaded, &bench.camera, &Options::new(method));
+        let uploaded = renderer.upload(&bench.scene).wait()?;
+        let mut render = |method| renderer.pair(&uploaded, &bench.camera).options(&Options::new(method)).read().wait();
         let (pair, naive) = (render(Method::BRACKET)?, render(Method::Naive)?);
         let picture = |kind: &str, caption: &str, picture: &Pixels| {
             let (scene, method) = ((*name).to_owned(), Method::BRACKET.to_string());

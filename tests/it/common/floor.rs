@@ -1,6 +1,8 @@
 //! A floor seen from above, whose light has a closed form.
 
-use stereotrace::{GBuffer, Material, Mesh, Method, Options, Renderer, Scene, Sky, StereoCamera, glam::Vec3};
+use stereotrace::{
+    GBuffer, Material, Mesh, Method, Options, Renderer, Scene, Sky, StereoCamera, blocking::Wait, glam::Vec3,
+};
 
 use super::gpu;
 
@@ -20,7 +22,7 @@ pub(crate) fn floor() -> Scene {
 /// light]`.
 pub(crate) fn light_on_floor(scene: &Scene, options: &Options, half: f32, seeds: u32) -> Vec<[f64; 3]> {
     let mut renderer = Renderer::new(gpu());
-    let uploaded = renderer.upload(scene).unwrap();
+    let uploaded = renderer.upload(scene).wait().unwrap();
     let size = 48;
     let up = 30.0;
     let camera = StereoCamera::look_at(Vec3::new(0.0, up, 0.0), Vec3::ZERO)
@@ -31,7 +33,7 @@ pub(crate) fn light_on_floor(scene: &Scene, options: &Options, half: f32, seeds:
     let mut sum = vec![0.0; (size * size) as usize];
     for seed in 0..seeds {
         let options = options.clone().linear(true).g_buffer(GBuffer::None).seed(seed);
-        let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         sum.iter_mut().zip(&pair.left.linear).for_each(|(sum, color)| *sum += f64::from(color[0]) / f64::from(seeds));
     }
     let place = |index: usize| (2.0 * (index as f64 + 0.5) / f64::from(size) - 1.0) * f64::from(half);

@@ -16,7 +16,9 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use stereotrace::{Gpu, Mesh, Method, Options, Renderer, Scene, StereoCamera, StereoPair, Traversal, glam::Vec3, wgpu};
+use stereotrace::{
+    Gpu, Mesh, Method, Options, Renderer, Scene, StereoCamera, StereoPair, Traversal, blocking::Wait, glam::Vec3, wgpu,
+};
 
 pub(crate) use self::random_scene::{RandomScene, random_ellipsoid, random_foliage, random_stage};
 
@@ -74,7 +76,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// A device of a test's own on the same adapter.
 pub(crate) fn own_gpu() -> Gpu {
     let wanted = std::env::var("STEREOTRACE_ADAPTER").unwrap_or_else(|_| "software".into());
-    Gpu::open(wanted).unwrap_or_else(|error| panic!("{error}; or run `sh scripts/test.sh`, which installs one"))
+    Gpu::open(wanted).wait().unwrap_or_else(|error| panic!("{error}; or run `sh scripts/test.sh`, which installs one"))
 }
 
 /// A device of the tests' adapter with limits of the caller's choice.
@@ -171,8 +173,8 @@ pub(crate) fn is_exact(renderer: &Renderer) -> bool {
 #[track_caller]
 pub(crate) fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, &Options::new(method).linear(true)).unwrap()
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    renderer.pair(&uploaded, camera).options(&Options::new(method).linear(true)).read().wait().unwrap()
 }
 
 /// A closed sphere of triangles: `rings` from pole to pole, twice as many segments.

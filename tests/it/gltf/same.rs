@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::json;
 use stereotrace::{
     MaterialId, Method, Options, Scene, SceneFile, SceneOptions, StereoCamera,
+    blocking::Wait,
     glam::{Vec2, Vec3},
 };
 
@@ -73,8 +74,8 @@ fn obj_ply_and_gltf_of_one_mesh_are_one_picture() {
         }
         scene.place_lights(2, &camera).unwrap();
         let mut renderer = renderer();
-        let uploaded = renderer.upload(&scene).unwrap();
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET)).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let pair = renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET)).read().wait().unwrap();
         pictures.push((pair.left.rgba8, pair.right.rgba8));
     }
     for (picture, file) in pictures.iter().zip(&files) {
@@ -123,8 +124,8 @@ fn a_picture_lies_the_same_way_in_both_formats() {
     let camera = StereoCamera::look_at(Vec3::new(0.3, 0.3, 1.0), Vec3::new(0.3, 0.3, 0.0)).size(40, 40);
     let mut renderer = renderer();
     let [one, other] = [obj, gltf].map(|scene| {
-        let uploaded = renderer.upload(&scene).unwrap();
-        renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap().left.rgba8
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap().left.rgba8
     });
     assert!(one == other);
 }

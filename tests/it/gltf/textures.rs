@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use stereotrace::{
     Limits, Material, Method, MissingTextures, Options, OutsideFiles, Scene, SceneFile, SceneOptions, StereoCamera,
     TextureKind, Wrap,
+    blocking::Wait,
     glam::{Vec2, Vec3},
 };
 
@@ -261,8 +262,10 @@ fn a_pixel_of_188_shows_what_a_factor_of_its_light_shows() {
         let scene = scene(builder.text());
         let camera = StereoCamera::look_at(Vec3::new(0.25, 0.25, 0.5), Vec3::new(0.25, 0.25, 0.0)).size(8, 8);
         let mut renderer = renderer();
-        let uploaded = renderer.upload(&scene).unwrap();
-        shown.push(renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap().left.rgba8);
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        shown.push(
+            renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap().left.rgba8,
+        );
     }
     // All light is ambient, 1 without lights: pictures show the picture's own 188. Halves keep 11 bits.
     assert!(shown.iter().flatten().all(|pixel| pixel[0].abs_diff(188) <= 1), "{:?}", &shown[0][..4]);

@@ -1,6 +1,6 @@
 //! What materials take from an MTL beside their diffuse colour.
 
-use stereotrace::{Finish, Material, Scene, glam::Vec3};
+use stereotrace::{Finish, Material, Scene, blocking::Wait, glam::Vec3};
 
 use super::{Folder, SIX, common, material};
 
@@ -61,7 +61,7 @@ fn illumination_models_say_what_a_surface_does() {
         assert!(found.opacity == 1.0, "{lines}");
     }
     // What every file gives is what a renderer takes.
-    common::renderer().upload(&scene).unwrap();
+    common::renderer().upload(&scene).wait().unwrap();
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn a_mirror_without_a_specular_colour_reflects_all() {
     let mtl = "newmtl absent\nKd 0 0 0\nillum 3\nnewmtl black\nKd 0 0 0\nKs 0 0 0\nillum 3\n";
     let scene = read(&folder, mtl);
     assert_eq!(["absent", "black"].map(|name| material(&scene, name).specular), [Vec3::ONE, Vec3::ZERO]);
-    common::renderer().upload(&scene).unwrap();
+    common::renderer().upload(&scene).wait().unwrap();
 }
 
 #[test]
@@ -139,5 +139,5 @@ fn values_out_of_range_are_brought_into_it_with_one_warning_a_file() {
     let warnings = folder.warnings();
     let ranges: Vec<_> = warnings.iter().filter(|text| text.contains("out of range")).collect();
     assert_eq!(ranges, ["m.mtl: values out of range, which are clamped, in 3 materials"]);
-    common::renderer().upload(&scene).unwrap();
+    common::renderer().upload(&scene).wait().unwrap();
 }

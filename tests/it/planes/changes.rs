@@ -2,6 +2,7 @@
 
 use stereotrace::{
     BvhBuild, MaterialId, Mesh, Method, Options, Plane, StereoCamera, Update,
+    blocking::Wait,
     glam::{Affine3A, Quat, Vec3},
 };
 
@@ -15,7 +16,7 @@ fn a_scene_that_moved_is_the_scene_uploaded_anew() {
         for build in BvhBuild::ALL {
             let mut scene = stage(things, tilt());
             scene.add_plane(Plane::new(-7.0 * Vec3::Z, Vec3::Z, MaterialId(0))).unwrap();
-            let mut uploaded = renderer.upload_with(&scene, *build).unwrap();
+            let mut uploaded = renderer.upload_with(&scene, *build).wait().unwrap();
             let last = scene.object_count() as u32 - 1;
             for step in 0..3 {
                 let how = if step == 2 { Update::Rebuild(*build) } else { Update::Refit };
@@ -25,10 +26,10 @@ fn a_scene_that_moved_is_the_scene_uploaded_anew() {
                 if step == 1 {
                     scene.transform_object(0, &transform).unwrap();
                 }
-                renderer.update(&mut uploaded, &scene, how).unwrap();
-                let found = renderer.render(&uploaded, &camera(tilt()), &options).unwrap();
-                let anew = renderer.upload(&scene).unwrap();
-                let expected = renderer.render(&anew, &camera(tilt()), &options).unwrap();
+                renderer.update(&mut uploaded, &scene, how).wait().unwrap();
+                let found = renderer.pair(&uploaded, &camera(tilt())).options(&options).read().wait().unwrap();
+                let anew = renderer.upload(&scene).wait().unwrap();
+                let expected = renderer.pair(&anew, &camera(tilt())).options(&options).read().wait().unwrap();
                 assert!(
                     (&found.left, &found.right) == (&expected.left, &expected.right),
                     "{things:?} {build:?} {step}"
@@ -42,14 +43,14 @@ fn a_scene_that_moved_is_the_scene_uploaded_anew() {
 fn planes_come_and_go_by_a_new_tree_alone() {
     let mut renderer = renderer();
     let mut scene = stage(Things::Mesh, tilt());
-    let mut uploaded = renderer.upload(&scene).unwrap();
+    let mut uploaded = renderer.upload(&scene).wait().unwrap();
     scene.add_plane(Plane::new(-7.0 * Vec3::Z, Vec3::Z, MaterialId(0))).unwrap();
-    let error = renderer.update(&mut uploaded, &scene, Update::Refit).unwrap_err().to_string();
+    let error = renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap_err().to_string();
     assert!(
         error.contains("0 ellipsoids and 1 planes, but the scene now has") && error.contains("Update::Rebuild"),
         "{error}"
     );
-    renderer.update(&mut uploaded, &scene, Update::Rebuild(BvhBuild::Fast)).unwrap();
+    renderer.update(&mut uploaded, &scene, Update::Rebuild(BvhBuild::Fast)).wait().unwrap();
     // All triangles lose their area, and get it back: of the tree planes alone are left in between.
     let object = Mesh::new(vec![Vec3::ZERO; 3], vec![[0, 1, 2]; scene.triangles().len()]);
     let whole = stage(Things::Mesh, tilt());
@@ -57,9 +58,9 @@ fn planes_come_and_go_by_a_new_tree_alone() {
     let faces = (0..corners.len() as u32 / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
     for mesh in [object, Mesh::new(corners, faces)] {
         scene.set_mesh(0, &mesh).unwrap();
-        renderer.update(&mut uploaded, &scene, Update::Refit).unwrap();
-        let anew = renderer.upload(&scene).unwrap();
-        let mut render = |uploaded| renderer.render(uploaded, &camera(tilt()), &Options::default()).unwrap();
+        renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
+        let anew = renderer.upload(&scene).wait().unwrap();
+        let mut render = |uploaded| renderer.pair(uploaded, &camera(tilt())).read().wait().unwrap();
         let (found, expected) = (render(&uploaded), render(&anew));
         assert!((&found.left, &found.right) == (&expected.left, &expected.right), "{}", scene.degenerate_count());
         assert!(found.left.primitive.iter().filter(|&&id| id != stereotrace::MISS).count() > 2000);

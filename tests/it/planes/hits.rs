@@ -2,6 +2,7 @@
 
 use stereotrace::{
     MISS, MaterialId, Mesh, Method, Options, Plane, Ray, Scene, Sky, Sphere, StereoCamera,
+    blocking::Wait,
     glam::{Quat, Vec3},
     testing::cpu::{Eye, Frame, intersect::closest_hit, trace_left::trace_left},
 };
@@ -70,9 +71,9 @@ fn the_horizon_is_where_rays_stop_to_go_down() {
             .size(64, 97)
             .interaxial_pixels(4.0);
         let mut renderer = renderer();
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         for method in [Method::Naive, Method::BRACKET, Method::ATOMIC] {
-            let pair = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+            let pair = renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
             let frame = Frame::new(&pair.pose);
             for (eye, view) in [(Eye::Left, &pair.left), (Eye::Right, &pair.right)] {
                 let mut seen = 0;
@@ -97,9 +98,9 @@ fn hits_are_the_twins_in_every_traversal() {
         let mut renderer = renderer_by(traversal);
         let exact = is_exact(&renderer);
         for scene in &scenes {
-            let uploaded = renderer.upload(scene).unwrap();
+            let uploaded = renderer.upload(scene).wait().unwrap();
             let options = Options::new(Method::Naive);
-            let pair = renderer.render(&uploaded, &camera(tilt()).size(41, 29), &options).unwrap();
+            let pair = renderer.pair(&uploaded, &camera(tilt()).size(41, 29)).options(&options).read().wait().unwrap();
             let twin = trace_left(scene, &Frame::new(&pair.pose), Eye::Left);
             let found = pair.left.depth.iter().zip(&pair.left.primitive);
             let differ = |((depth, id), twin): &((&f32, &u32), &(f32, u32))| {
@@ -128,9 +129,9 @@ fn lists_of_rays_meet_planes_within_their_limits() {
         });
     }
     let renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let closest = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
-    let any = renderer.any_hits(&uploaded, &rays).unwrap().hits;
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let closest = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
+    let any = renderer.any_hits(&uploaded, &rays).wait().unwrap().hits;
     let mut on_planes = 0;
     for ((ray, hit), any) in rays.iter().zip(&closest).zip(any) {
         let (t, id) =
@@ -152,16 +153,22 @@ fn rays_that_begin_in_a_plane_or_run_along_it_do_not_meet_it() {
     let mut scene = Scene::new();
     scene.add_plane(Plane::new(Vec3::new(1e5, 0.0, -3e4), Vec3::Y, MaterialId(0))).unwrap();
     let renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let along = Ray::new(Vec3::Y, Vec3::new(1.0, 0.0, 0.3));
     let from_it = Ray::new(Vec3::new(5.0, 0.0, 2.0), Vec3::new(0.1, -1.0, 0.2));
     let far = Ray::new(Vec3::Y, Vec3::new(1.0, -1.01e-8, 0.0));
     let farther = Ray::new(Vec3::Y, Vec3::new(1.0, -0.99e-8, 0.0));
     let both = [along, from_it, far, farther, Ray::new(Vec3::Y, Vec3::NEG_Y).t_max(1.0)];
-    let hits =
-        renderer.closest_hits(&uploaded, &both).unwrap().hits.iter().map(|hit| hit.primitive).collect::<Vec<_>>();
+    let hits = renderer
+        .closest_hits(&uploaded, &both)
+        .wait()
+        .unwrap()
+        .hits
+        .iter()
+        .map(|hit| hit.primitive)
+        .collect::<Vec<_>>();
     assert_eq!(hits, [MISS, MISS, 0, MISS, 0]);
-    assert_eq!(renderer.any_hits(&uploaded, &both).unwrap().hits, [false, false, true, false, true]);
+    assert_eq!(renderer.any_hits(&uploaded, &both).wait().unwrap().hits, [false, false, true, false, true]);
 }
 
 /// An eye in a ground sees neither of its sides, and what stands there by every method.
@@ -183,8 +190,8 @@ fn an_eye_in_a_plane_sees_past_it() {
     let mut renderer = renderer();
     for method in [Method::Naive, Method::BRACKET, Method::ATOMIC, Method::ES_ISLER] {
         let [with, without] = [&scene, &without].map(|scene| {
-            let uploaded = renderer.upload(scene).unwrap();
-            let pair = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+            let uploaded = renderer.upload(scene).wait().unwrap();
+            let pair = renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
             (pair.left.primitive, pair.right.primitive)
         });
         assert_eq!(with, without, "{method}");
@@ -206,8 +213,13 @@ fn a_plane_is_a_quad_a_million_units_wide() {
     (quad.lights, quad.sky, quad.ambient) = (plane.lights.clone(), plane.sky.clone(), plane.ambient);
     let mut renderer = renderer();
     let [one, other] = [&plane, &quad].map(|scene| {
-        let uploaded = renderer.upload(scene).unwrap();
-        renderer.render(&uploaded, &camera(turn), &Options::new(Method::Naive).linear(true)).unwrap()
+        let uploaded = renderer.upload(scene).wait().unwrap();
+        renderer
+            .pair(&uploaded, &camera(turn))
+            .options(&Options::new(Method::Naive).linear(true))
+            .read()
+            .wait()
+            .unwrap()
     });
     let (mut on_ground, mut depth, mut colors) = (0, 0.0_f32, 0);
     for index in 0..one.left.depth.len() {

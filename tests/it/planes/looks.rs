@@ -3,6 +3,7 @@
 use stereotrace::{
     Finish, Light, Material, MaterialId, Mesh, Method, Options, Plane, Scene, Sky, Sphere, StereoCamera, StereoPair,
     Texture, View,
+    blocking::Wait,
     glam::{DVec3, Quat, Vec2, Vec3},
     testing::cpu::{Eye, Frame},
 };
@@ -11,8 +12,8 @@ use super::{common::random::Random, common::renderer, tilt};
 
 fn pair_of(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, &Options::new(method).linear(true)).unwrap()
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    renderer.pair(&uploaded, camera).options(&Options::new(method).linear(true)).read().wait().unwrap()
 }
 
 fn left_of(scene: &Scene, camera: &StereoCamera, method: Method) -> View {
@@ -236,6 +237,6 @@ fn a_cut_out_plane_is_refused_by_name() {
     let holes = scene.add_material(Material::new(Vec3::ONE).cutout(board));
     scene.add_plane(Plane::new(Vec3::ZERO, Vec3::Y, MaterialId(0))).unwrap();
     scene.add_plane(Plane::new(Vec3::ZERO, Vec3::X, holes)).unwrap();
-    let error = renderer().upload(&scene).unwrap_err().to_string();
+    let error = renderer().upload(&scene).wait().unwrap_err().to_string();
     assert!(error.contains("plane 1: its material 1 has a cut-out; only triangles can be cut out"), "{error}");
 }

@@ -3,6 +3,7 @@
 use stereotrace::{
     AmbientOcclusion, Finish, Light, Material, MaterialId, Method, Options, Plane, Rig, Scene, StereoCamera,
     StereoPair, Texture, Traversal,
+    blocking::Wait,
     glam::{Quat, Vec3},
     metrics::compare,
     testing::cpu::{
@@ -61,11 +62,13 @@ fn every_method_shows_planes_as_naive_does_or_within_its_own_bounds() {
     let mut renderer = renderer();
     let exact = is_exact(&renderer);
     for (name, scene) in scenes() {
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let cameras = [camera(tilt()), rolled(tilt())];
         let both = ["All", "everything"].contains(&&*name);
         for camera in &cameras[..if both { 2 } else { 1 }] {
-            let mut render = |method| renderer.render(&uploaded, camera, &Options::new(method).linear(true)).unwrap();
+            let mut render = |method| {
+                renderer.pair(&uploaded, camera).options(&Options::new(method).linear(true)).read().wait().unwrap()
+            };
             let naive = render(Method::Naive);
             for &method in Method::ALL {
                 let pair = render(method);
@@ -99,10 +102,10 @@ fn bracket_is_naive_to_the_last_bit_where_all_shadow_rays_are_traced() {
     for traversal in [Traversal::ALL[0], Traversal::ALL[3], Traversal::ALL[5]] {
         let mut renderer = renderer_by(traversal);
         let exact = is_exact(&renderer);
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let mut render = |method| {
             let options = Options::new(method).linear(true).occlusion(Some(AmbientOcclusion::new(8, 2.0)));
-            renderer.render(&uploaded, &camera, &options.shadow_rays(8)).unwrap()
+            renderer.pair(&uploaded, &camera).options(&options.shadow_rays(8)).read().wait().unwrap()
         };
         let (naive, rays) = (render(Method::Naive), render(Method::BRACKET_RAYS));
         assert_eq!(others(&rays, &naive), 0, "{traversal}");
@@ -123,9 +126,10 @@ fn fates_and_shadows_are_the_twins() {
     }
     for things in [Things::Spheres, Things::Mesh, Things::Ellipsoids] {
         let scene = stage(things, tilt());
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         for camera in [camera(tilt()), rolled(tilt())] {
-            let mut render = |method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+            let mut render =
+                |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
             let atomic = render(Method::ATOMIC);
             let frame = Frame::new(&atomic.pose);
             let [left, right] = [Eye::Left, Eye::Right].map(|eye| trace_left(&scene, &frame, eye));
@@ -148,9 +152,9 @@ fn fates_and_shadows_are_the_twins() {
 #[test]
 fn rigs_of_many_eyes_show_planes_as_naive_does() {
     let (scene, mut renderer) = (everything(tilt()), renderer());
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let rig = Rig::at(camera(tilt()), vec![-1.5, -0.5, 0.5, 1.5]).traced(vec![0, 3]);
-    let mut render = |method| renderer.render_views(&uploaded, &rig, &Options::new(method)).unwrap();
+    let mut render = |method| renderer.views(&uploaded, &rig).options(&Options::new(method)).read().wait().unwrap();
     let (naive, bracket) = (render(Method::Naive), render(Method::BRACKET));
     for (one, other) in naive.views.iter().zip(&bracket.views) {
         assert_eq!(one.view.primitive, other.view.primitive);
@@ -174,8 +178,13 @@ fn tiles_above_the_horizon_are_sky_at_once() {
         }
         scene.lights.clear();
         let camera = camera(Quat::IDENTITY).eye(Vec3::new(0.0, 6.0, 5.0)).target(Vec3::new(0.0, 9.0, 0.0));
-        let uploaded = renderer.upload(&scene).unwrap();
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET).count(true)).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let pair = renderer
+            .pair(&uploaded, &camera)
+            .options(&Options::new(Method::BRACKET).count(true))
+            .read()
+            .wait()
+            .unwrap();
         assert!(pair.left.primitive.iter().all(|&id| id == stereotrace::MISS));
         pair.statistics.right.primitive_tests
     };

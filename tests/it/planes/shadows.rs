@@ -2,6 +2,7 @@
 
 use stereotrace::{
     AmbientOcclusion, Light, Material, MaterialId, Method, Options, Plane, Scene, Sky, Sphere, StereoCamera, View,
+    blocking::Wait,
     glam::{Quat, Vec3},
 };
 
@@ -42,8 +43,8 @@ impl Case {
 
 fn left_of(scene: &Scene, camera: &StereoCamera) -> View {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, &Options::new(Method::Naive).linear(true)).unwrap().left
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    renderer.pair(&uploaded, camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap().left
 }
 
 /// Nothing that faces the lamp may be dark, but where the lamp is lower than shadow rays end off the surface; and
@@ -151,10 +152,11 @@ fn soft_light_and_ambient_light_reach_an_open_ground_whole() {
     let up = scene.planes()[0].normal;
     scene.lights = vec![Light::directional(up, 0.05, Vec3::splat(0.25))];
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     for method in [Method::Naive, Method::BRACKET, Method::ATOMIC] {
         let options = Options::new(method).linear(true).occlusion(Some(AmbientOcclusion::new(16, 1e4)));
-        let pair = renderer.render(&uploaded, &case.camera().interaxial_pixels(3.0), &options).unwrap();
+        let pair =
+            renderer.pair(&uploaded, &case.camera().interaxial_pixels(3.0)).options(&options).read().wait().unwrap();
         for (color, depth) in pair.right.linear.iter().zip(&pair.right.depth).filter(|(_, depth)| depth.is_finite()) {
             let light = f64::from(color[0]);
             assert!((light - 0.75).abs() < 1e-3, "{method}: {light} at {depth}");

@@ -1,7 +1,7 @@
 //! Devices: lost ones, those of the caller, and those whose limits a scene or a picture goes over.
 
 use stereotrace::{
-    Error, Fetch, Gpu, Method, Options, RaysPerLane, Renderer, Traversal, scene::builtin::Builtin, wgpu,
+    Error, Fetch, Gpu, Method, Options, RaysPerLane, Renderer, Traversal, blocking::Wait, scene::builtin::Builtin, wgpu,
 };
 
 use super::{
@@ -14,13 +14,13 @@ use super::{
 fn a_destroyed_device_is_an_error_and_no_panic() {
     let mut renderer = Renderer::new(own_gpu());
     let scene = Builtin::Spheres.scene();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let camera = Builtin::Spheres.camera(32, 32);
-    renderer.render(&uploaded, &camera, &Options::default()).unwrap();
+    renderer.pair(&uploaded, &camera).read().wait().unwrap();
     renderer.gpu().device().destroy();
-    let error = renderer.render(&uploaded, &camera, &Options::default()).unwrap_err();
+    let error = renderer.pair(&uploaded, &camera).read().wait().unwrap_err();
     assert!(matches!(error, Error::DeviceLost(_)), "{error}");
-    let error = renderer.upload(&scene).unwrap_err();
+    let error = renderer.upload(&scene).wait().unwrap_err();
     assert!(matches!(error, Error::DeviceLost(_)), "{error}");
 }
 
@@ -28,25 +28,26 @@ fn a_destroyed_device_is_an_error_and_no_panic() {
 fn a_device_of_the_caller_with_webgpu_s_default_limits_renders_the_same() {
     let mut theirs = Renderer::new(gpu_with_limits(wgpu::Limits::default()));
     let scene = Builtin::Hall.scene();
-    let uploaded = theirs.upload(&scene).unwrap();
+    let uploaded = theirs.upload(&scene).wait().unwrap();
     let camera = Builtin::Hall.camera(SIZE.0, SIZE.1);
-    let pair = theirs.render(&uploaded, &camera, &Options::new(Method::BUFFER).linear(true)).unwrap();
+    let pair =
+        theirs.pair(&uploaded, &camera).options(&Options::new(Method::BUFFER).linear(true)).read().wait().unwrap();
     assert!(pair.statistics.times.is_none(), "timestamps were not asked for");
     assert_eq!(pair.right, render_builtin(Builtin::Hall, Method::BUFFER).right);
     theirs.gpu().device().destroy();
-    let error = theirs.render(&uploaded, &camera, &Options::default()).unwrap_err();
+    let error = theirs.pair(&uploaded, &camera).read().wait().unwrap_err();
     assert!(matches!(error, Error::DeviceLost(_)), "{error}");
-    let error = Renderer::new(theirs.gpu().clone()).upload(&scene).unwrap_err();
+    let error = Renderer::new(theirs.gpu().clone()).upload(&scene).wait().unwrap_err();
     assert!(matches!(error, Error::DeviceLost(_)), "{error}");
 }
 
 #[test]
 fn a_picture_over_the_device_s_limits_is_an_error_that_names_the_limit() {
     let mut small = Renderer::with_traversal(limited(1 << 20, 8192), Traversal::of(&own_gpu()));
-    let uploaded = small.upload(&Builtin::Spheres.scene()).unwrap();
+    let uploaded = small.upload(&Builtin::Spheres.scene()).wait().unwrap();
     let mut refused = |width, height, method| {
         let camera = Builtin::Hall.camera(width, height);
-        small.render(&uploaded, &camera, &Options::new(method)).unwrap_err().to_string()
+        small.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap_err().to_string()
     };
     let message = refused(60_000, 60_000, Method::Naive);
     assert!(message.starts_with("2 views of 60000x60000 needs ") && message.contains("render_rows"), "{message}");
@@ -54,9 +55,9 @@ fn a_picture_over_the_device_s_limits_is_an_error_that_names_the_limit() {
     assert!(message.starts_with("a picture 2000 pixels wide needs 2 MiB"), "{message}");
     assert!(message.contains("max_storage_buffer_binding_size is 1 MiB"), "{message}");
     let mut renderer = Renderer::with_traversal(limited(1 << 27, 8192), Traversal::of(&own_gpu()));
-    let uploaded = renderer.upload(&Builtin::Spheres.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Spheres.scene()).wait().unwrap();
     let (camera, options) = (Builtin::Hall.camera(8193, 1024), Options::new(Method::BRACKET));
-    let message = renderer.render(&uploaded, &camera, &options).unwrap_err().to_string();
+    let message = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err().to_string();
     assert!(message.starts_with("a picture 8193 pixels wide by bracket needs a texture of 8193x64"), "{message}");
     assert!(message.contains("max_texture_dimension_2d is 8192"), "{message}");
 }
@@ -64,9 +65,9 @@ fn a_picture_over_the_device_s_limits_is_an_error_that_names_the_limit() {
 #[test]
 fn a_scene_uploaded_to_another_device_is_refused() {
     let other = Renderer::new(own_gpu());
-    let theirs = other.upload(&Builtin::Spheres.scene()).unwrap();
+    let theirs = other.upload(&Builtin::Spheres.scene()).wait().unwrap();
     let camera = Builtin::Spheres.camera(32, 32);
-    let error = renderer().render(&theirs, &camera, &Options::default()).unwrap_err();
+    let error = renderer().pair(&theirs, &camera).read().wait().unwrap_err();
     assert!(matches!(error, Error::ForeignScene), "{error}");
 }
 
@@ -86,18 +87,18 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
     let buffers = Traversal::of(&own_gpu()).fetch(Fetch::Buffer).rays(RaysPerLane::One);
     let whole = {
         let mut renderer = Renderer::with_traversal(own_gpu(), buffers);
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         assert_eq!(uploaded.info().traversal, buffers);
-        renderer.render(&uploaded, &camera, &Options::new(Method::ATOMIC)).unwrap()
+        renderer.pair(&uploaded, &camera).options(&Options::new(Method::ATOMIC)).read().wait().unwrap()
     };
     let mut small = Renderer::with_traversal(limited(1 << 20, 8192), buffers);
-    let uploaded = small.upload(&scene).unwrap();
+    let uploaded = small.upload(&scene).wait().unwrap();
     assert_eq!(uploaded.info().traversal.fetch, Fetch::Texture);
-    let pair = small.render(&uploaded, &camera, &Options::new(Method::ATOMIC)).unwrap();
+    let pair = small.pair(&uploaded, &camera).options(&Options::new(Method::ATOMIC)).read().wait().unwrap();
     assert_eq!(pair.right.primitive, whole.right.primitive);
 
     let tiny = Renderer::with_traversal(limited(1 << 20, 2048), buffers);
-    let error = tiny.upload(&scene).unwrap_err();
+    let error = tiny.upload(&scene).wait().unwrap_err();
     let message = error.to_string();
     assert!(matches!(error, Error::Limit { limit: "max_storage_buffer_binding_size", .. }), "{message}");
     // 1 MiB holds 65,536 texels: four a primitive with normals, and one or a half for its share of the nodes.
@@ -109,8 +110,8 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
     // A sky of 2 MiB.
     let mut scene = Builtin::Near.scene();
     scene.sky = stereotrace::Sky::Map(stereotrace::SkyMap::procedural(512).unwrap());
-    assert_eq!(small.upload(&scene).unwrap().info().traversal.fetch, Fetch::Texture);
-    let message = tiny.upload(&scene).unwrap_err().to_string();
+    assert_eq!(small.upload(&scene).wait().unwrap().info().traversal.fetch, Fetch::Texture);
+    let message = tiny.upload(&scene).wait().unwrap_err().to_string();
     assert!(message.starts_with("the scene's table of lights, materials, sky and textures needs 131"), "{message}");
     assert!(message.ends_with("enough for 65536; use smaller or fewer pictures"), "{message}");
 }
@@ -119,9 +120,9 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
 #[test]
 fn auto_traces_both_views_of_pictures_that_are_too_wide_for_bracket() {
     let mut renderer = Renderer::new(gpu_with_limits(wgpu::Limits::default()));
-    let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Near.scene()).wait().unwrap();
     let camera = Builtin::Near.camera(8200, 1).vertical_fov_degrees(0.005);
-    let mut pair = |method| renderer.render(&uploaded, &camera, &Options::new(method));
+    let mut pair = |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait();
     let refused = pair(Method::BRACKET).unwrap_err().to_string();
     assert!(refused.contains("8192"), "{refused}");
     let (found, naive) = (pair(Method::Auto).unwrap(), pair(Method::Naive).unwrap());

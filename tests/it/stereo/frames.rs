@@ -1,7 +1,8 @@
 //! Frames: what one keeps, counts and says of its progress, and that the next one is not changed by it.
 
 use stereotrace::{
-    Check, Error, GBuffer, Light, Method, Options, PixelSource, metrics::compare, scene::builtin::Builtin,
+    Check, Error, GBuffer, Light, Method, Options, PixelSource, blocking::Wait, metrics::compare,
+    scene::builtin::Builtin,
 };
 
 use super::{
@@ -32,12 +33,12 @@ fn the_same_call_twice_gives_the_same_bytes() {
 #[test]
 fn one_renderer_takes_scenes_and_sizes_in_any_order() {
     let mut renderer = renderer();
-    let spheres = renderer.upload(&Builtin::Spheres.scene()).unwrap();
-    let fence = renderer.upload(&Builtin::Fence.scene()).unwrap();
+    let spheres = renderer.upload(&Builtin::Spheres.scene()).wait().unwrap();
+    let fence = renderer.upload(&Builtin::Fence.scene()).wait().unwrap();
     let options = Options::default();
-    let first = renderer.render(&spheres, &Builtin::Spheres.camera(64, 48), &options).unwrap();
-    renderer.render(&fence, &Builtin::Fence.camera(33, 90), &options).unwrap();
-    let again = renderer.render(&spheres, &Builtin::Spheres.camera(64, 48), &options).unwrap();
+    let first = renderer.pair(&spheres, &Builtin::Spheres.camera(64, 48)).options(&options).read().wait().unwrap();
+    renderer.pair(&fence, &Builtin::Fence.camera(33, 90)).options(&options).read().wait().unwrap();
+    let again = renderer.pair(&spheres, &Builtin::Spheres.camera(64, 48)).options(&options).read().wait().unwrap();
     assert_eq!(first.right, again.right);
 }
 
@@ -49,10 +50,10 @@ fn equal_eyes_with_noise_of_their_own_are_both_traced() {
     }
     let camera = Builtin::Near.camera(64, 48).interaxial(0.0);
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let mut pair = |method, by_view| {
         let options = Options::new(method).shadow_rays(4).noise_by_view(by_view);
-        renderer.render(&uploaded, &camera, &options).unwrap()
+        renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap()
     };
     let naive = pair(Method::Naive, true);
     assert!(naive.left.rgba8 != naive.right.rgba8, "nothing in the picture is noise");
@@ -73,19 +74,19 @@ fn render_stereo_takes_one_call() {
 #[test]
 fn progress_runs_up_to_one_and_may_cancel() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Spheres.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Spheres.scene()).wait().unwrap();
     let camera = Builtin::Spheres.camera(64, 64);
     let mut seen = Vec::new();
     let mut watch = |progress: stereotrace::Progress| {
         seen.push((progress.pass, progress.done));
         std::ops::ControlFlow::Continue(())
     };
-    renderer.render_with(&uploaded, &camera, &Options::default(), &mut watch).unwrap();
+    renderer.pair(&uploaded, &camera).progress(&mut watch).read().wait().unwrap();
     assert!(seen.is_sorted_by_key(|(_, done)| *done) && seen.last().unwrap().1 == 1.0, "{seen:?}");
     let names: Vec<_> = seen.iter().map(|(name, _)| *name).collect();
     assert_eq!(names, ["trace_right"], "one band, by its last step");
     let mut stop = |_| std::ops::ControlFlow::Break(());
-    let error = renderer.render_with(&uploaded, &camera, &Options::default(), &mut stop).unwrap_err();
+    let error = renderer.pair(&uploaded, &camera).progress(&mut stop).read().wait().unwrap_err();
     assert!(matches!(error, Error::Cancelled));
     for &method in Method::ALL {
         let mut last = 0.0;
@@ -94,7 +95,7 @@ fn progress_runs_up_to_one_and_may_cancel() {
             last = progress.done;
             std::ops::ControlFlow::Continue(())
         };
-        renderer.render_with(&uploaded, &camera, &Options::new(method), &mut watch).unwrap();
+        renderer.pair(&uploaded, &camera).options(&Options::new(method)).progress(&mut watch).read().wait().unwrap();
         assert_eq!(last, 1.0, "{method}");
     }
 }
@@ -103,10 +104,15 @@ fn progress_runs_up_to_one_and_may_cancel() {
 fn a_smaller_g_buffer_changes_no_picture() {
     let camera = Builtin::Fence.camera(61, 45);
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Fence.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Fence.scene()).wait().unwrap();
     for &method in Method::ALL {
         let mut render = |g_buffer| {
-            renderer.render(&uploaded, &camera, &Options::new(method).linear(true).g_buffer(g_buffer)).unwrap()
+            renderer
+                .pair(&uploaded, &camera)
+                .options(&Options::new(method).linear(true).g_buffer(g_buffer))
+                .read()
+                .wait()
+                .unwrap()
         };
         let [full, depth, none] = [GBuffer::Ids, GBuffer::Depth, GBuffer::None].map(&mut render);
         for less in [&depth, &none] {
@@ -126,10 +132,16 @@ fn a_smaller_g_buffer_changes_no_picture() {
 fn a_map_of_costs_adds_up_to_the_counts_and_changes_no_picture() {
     let camera = Builtin::Hall.camera(61, 45);
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
+    let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
     for &method in Method::ALL {
-        let plain = renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap();
-        let pair = renderer.render(&uploaded, &camera, &Options::new(method).linear(true).cost_map(true)).unwrap();
+        let plain =
+            renderer.pair(&uploaded, &camera).options(&Options::new(method).linear(true)).read().wait().unwrap();
+        let pair = renderer
+            .pair(&uploaded, &camera)
+            .options(&Options::new(method).linear(true).cost_map(true))
+            .read()
+            .wait()
+            .unwrap();
         assert_eq!((&pair.left.linear, &pair.right.linear), (&plain.left.linear, &plain.right.linear), "{method}");
         assert!(plain.left.cost.is_empty() && plain.left.cost_picture(100).is_none());
         for (view, work) in [(&pair.left, pair.statistics.left), (&pair.right, pair.statistics.right)] {

@@ -4,6 +4,7 @@ use std::num::NonZeroU32;
 
 use stereotrace::{
     BufferDepth, Check, Finish, MISS, Method, Options, PixelSource, StereoCamera, StereoPair,
+    blocking::Wait,
     glam::Vec3,
     metrics::{Difference, compare},
     scene::builtin::Builtin,
@@ -153,9 +154,14 @@ fn the_right_view_follows_the_map_and_the_counts_follow_both() {
     for &builtin in Builtin::ALL {
         let naive = render_builtin(builtin, Method::Naive);
         let mut renderer = renderer();
-        let uploaded = renderer.upload(&builtin.scene()).unwrap();
+        let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
         let camera = builtin.camera(SIZE.0, SIZE.1);
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::ATOMIC).linear(true).count(true)).unwrap();
+        let pair = renderer
+            .pair(&uploaded, &camera)
+            .options(&Options::new(Method::ATOMIC).linear(true).count(true))
+            .read()
+            .wait()
+            .unwrap();
         let count = |kind| pair.source.iter().filter(|source| **source == kind).count() as u64;
         let (s, pixels) = (&pair.statistics, u64::from(SIZE.0 * SIZE.1));
         let fates = [PixelSource::Reused, PixelSource::Bad, PixelSource::Missed].map(count);

@@ -1,7 +1,8 @@
 //! Scenes that are odd: empty, without shadows, of many lights, with triangles that no ray can hit.
 
 use stereotrace::{
-    BvhBuild, Light, MISS, Material, Mesh, Method, Options, Scene, StereoCamera, glam::Vec3, scene::builtin::Builtin,
+    BvhBuild, Light, MISS, Material, Mesh, Method, Options, Scene, StereoCamera, blocking::Wait, glam::Vec3,
+    scene::builtin::Builtin,
 };
 
 use super::common::{self, render, renderer};
@@ -49,8 +50,9 @@ fn many_lights_add_up_to_one() {
     for count in [100, 1000] {
         scene.lights = vec![Light::point(light.position, light.intensity / count as f32); count];
         let mut renderer = renderer();
-        let uploaded = renderer.upload(&scene).unwrap();
-        let many = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let many =
+            renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap();
         assert_eq!(many.statistics.left.rays.shadow, count as u64 * one.statistics.left.rays.shadow);
         for (many, one) in many.left.linear.iter().zip(&one.left.linear) {
             // Roundings of a sum below 2.
@@ -70,7 +72,7 @@ fn degenerate_triangles_are_counted_and_not_traced_and_ids_keep_their_numbers() 
     let pair = render(&scene, &camera, Method::Naive);
     assert!(pair.left.primitive.iter().all(|&id| id == 2 || id == MISS));
     assert_eq!(pair.left.primitive[10 * 21 + 10], 2);
-    assert_eq!(renderer().upload(&scene).unwrap().info().dropped_triangles, 2);
+    assert_eq!(renderer().upload(&scene).wait().unwrap().info().dropped_triangles, 2);
 }
 
 #[test]
@@ -103,10 +105,15 @@ fn every_effort_at_the_tree_gives_the_same_picture() {
     let mut renderer = renderer();
     let exact = common::is_exact(&renderer);
     let pairs = Vec::from_iter(BvhBuild::ALL.iter().map(|&build| {
-        let uploaded = renderer.upload_with(&Builtin::Hall.scene(), build).unwrap();
+        let uploaded = renderer.upload_with(&Builtin::Hall.scene(), build).wait().unwrap();
         let info = uploaded.info();
         assert!(info.node_bytes > 0 && info.primitive_bytes > 0 && !info.build.is_zero() && !info.upload.is_zero());
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true).count(true)).unwrap();
+        let pair = renderer
+            .pair(&uploaded, &camera)
+            .options(&Options::new(Method::Naive).linear(true).count(true))
+            .read()
+            .wait()
+            .unwrap();
         (pair.left.linear, pair.right.primitive, pair.statistics.left.nodes)
     }));
     for (build, pair) in BvhBuild::ALL.iter().zip(&pairs) {

@@ -1,6 +1,8 @@
 //! What a T-buffer counts.
 
-use stereotrace::{MaterialId, Mesh, Method, Options, Scene, Sphere, StereoCamera, Visibility, glam::Vec3};
+use stereotrace::{
+    MaterialId, Mesh, Method, Options, Scene, Sphere, StereoCamera, Visibility, blocking::Wait, glam::Vec3,
+};
 
 use super::common::{RandomScene, renderer};
 
@@ -32,8 +34,8 @@ fn a_sphere_is_tested_by_the_rays_of_its_bounds() {
     let (center, radius) = (Vec3::new(0.83, -0.41, 1.0), 0.37);
     scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap();
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let view = renderer.render(&uploaded, &camera(), &counted()).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let view = renderer.pair(&uploaded, &camera()).options(&counted()).read().wait().unwrap();
     let z = 9.0_f64;
     let slopes = |across: f64| {
         let (angle, half) = (across.atan2(z), (f64::from(radius) / across.hypot(z)).asin());
@@ -53,9 +55,9 @@ fn counts_repeat_and_are_those_of_the_map_of_costs() {
     let scene = RandomScene { triangles: 200, spheres: 20, ellipsoids: 10, ..RandomScene::default() }.build();
     let camera = StereoCamera::look_at(Vec3::new(0.3, 0.4, 3.0), Vec3::ZERO).size(90, 70).interaxial_pixels(5.0);
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let options = counted().cost_map(true);
-    let first = renderer.render(&uploaded, &camera, &options).unwrap();
+    let first = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
     for (view, work) in [(&first.left, first.statistics.left), (&first.right, first.statistics.right)] {
         let costs: u64 = view.cost.iter().map(|&cost| u64::from(cost)).sum();
         assert_eq!(costs, work.primitive_tests);
@@ -64,7 +66,7 @@ fn counts_repeat_and_are_those_of_the_map_of_costs() {
         assert!(work.nodes > 100 && work.nodes <= scene.primitive_count() as u64, "{work:?}");
     }
     for _ in 0..3 {
-        let mut again = renderer.render(&uploaded, &camera, &options).unwrap();
+        let mut again = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         again.statistics.times = first.statistics.times.clone();
         assert!(again == first);
     }
@@ -90,8 +92,8 @@ fn what_covers_no_centre_is_tested_by_no_ray() {
         scene.add_sphere(Sphere::new(Vec3::new(50.0, index as f32, 0.0), 0.3, MaterialId(0))).unwrap();
     }
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
-    let view = renderer.render(&uploaded, &camera(), &counted()).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let view = renderer.pair(&uploaded, &camera()).options(&counted()).read().wait().unwrap();
     assert_eq!(view.statistics.left.primitive_tests, 0);
     assert_eq!(view.statistics.left.nodes, scene.primitive_count() as u64);
 }

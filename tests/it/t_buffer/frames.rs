@@ -3,6 +3,7 @@
 use stereotrace::{
     Adaptive, AmbientOcclusion, Error, Finish, GBuffer, Light, Material, MaterialId, Method, Options, Plane, Rig,
     Scene, Sky, SkyMap, Sphere, StereoCamera, Texture, Update, Visibility,
+    blocking::Wait,
     glam::{Affine3A, Vec3},
 };
 
@@ -38,14 +39,14 @@ fn everything() -> Scene {
 #[test]
 fn soft_light_mirrors_planes_and_cut_outs_together_are_those_of_rays() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&everything()).unwrap();
+    let uploaded = renderer.upload(&everything()).wait().unwrap();
     for method in [Method::Naive, Method::ATOMIC, Method::BRACKET, Method::BRACKET_RAYS, Method::Auto] {
         let options = Options::new(method).linear(true).shadow_rays(8).occlusion(AmbientOcclusion::new(8, 2.0));
         pair("everything", &mut renderer, &uploaded, &camera(), &options);
     }
     let mut under_a_sky = everything();
     under_a_sky.sky = Sky::Map(SkyMap::procedural(64).unwrap());
-    let uploaded = renderer.upload(&under_a_sky).unwrap();
+    let uploaded = renderer.upload(&under_a_sky).wait().unwrap();
     let options = Options::new(Method::Naive).shadow_rays(4).sky_rays(5);
     pair("under a sky", &mut renderer, &uploaded, &camera(), &options);
 }
@@ -55,7 +56,7 @@ fn soft_light_mirrors_planes_and_cut_outs_together_are_those_of_rays() {
 fn every_traversal_draws_the_hits_of_rays() {
     for traversal in traversals() {
         let mut renderer = renderer_by(traversal);
-        let uploaded = renderer.upload(&everything()).unwrap();
+        let uploaded = renderer.upload(&everything()).wait().unwrap();
         let options = Options::new(Method::Naive).shadow_rays(2);
         pair(&traversal.to_string(), &mut renderer, &uploaded, &camera().size(41, 35), &options);
     }
@@ -64,7 +65,7 @@ fn every_traversal_draws_the_hits_of_rays() {
 #[test]
 fn samples_with_and_without_jitter_are_those_of_rays() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(3)).unwrap();
+    let uploaded = renderer.upload(&random_stage(3)).wait().unwrap();
     let small = camera().size(33, 21);
     for (samples, jitter, method) in [
         (4, true, Method::Naive),
@@ -84,7 +85,7 @@ fn samples_with_and_without_jitter_are_those_of_rays() {
 #[test]
 fn adaptive_frames_are_those_of_rays() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     for method in [Method::Naive, Method::BRACKET] {
         let options = Options::new(method).adaptive(Adaptive::new(3, 8.0)).linear(true);
         both(&format!("adaptive {method}"), &mut renderer, &uploaded, &Rig::pair(camera()), &options, &[]);
@@ -94,7 +95,7 @@ fn adaptive_frames_are_those_of_rays() {
 #[test]
 fn rigs_are_those_of_rays() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&everything()).unwrap();
+    let uploaded = renderer.upload(&everything()).wait().unwrap();
     let rig = Rig::at(camera(), vec![-1.5, -0.5, 0.5, 1.5]).traced(vec![0, 3]);
     for method in [Method::Naive, Method::BRACKET, Method::ATOMIC, Method::ES_ISLER] {
         let traced: &[usize] = if method == Method::Naive { &[0, 1, 2, 3] } else { &[0, 3] };
@@ -106,7 +107,7 @@ fn rigs_are_those_of_rays() {
 #[test]
 fn bands_are_those_of_rays() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let wide = camera().size(4096, 150).interaxial_pixels(60.0);
     for method in ["naive", "bracket", "verified", "atomic-edges", "adelson-hodges"] {
         let options = Options::new(method.parse().unwrap());
@@ -118,15 +119,15 @@ fn bands_are_those_of_rays() {
 fn a_scene_that_moves_is_that_of_rays_after_each_change() {
     let mut renderer = renderer();
     let mut scene = random_stage(5);
-    let mut uploaded = renderer.upload(&scene).unwrap();
+    let mut uploaded = renderer.upload(&scene).wait().unwrap();
     for (turn, how) in [(0.3, Update::Refit), (0.9, Update::Refit), (1.4, Update::Rebuild(Default::default()))] {
         scene.transform_object(1, &Affine3A::from_rotation_y(turn)).unwrap();
-        renderer.update(&mut uploaded, &scene, how).unwrap();
+        renderer.update(&mut uploaded, &scene, how).wait().unwrap();
         pair(&format!("turned by {turn}"), &mut renderer, &uploaded, &camera(), &Options::new(Method::Naive));
     }
     // One more primitive: the list of another scene is too short.
     scene.add_sphere(Sphere::new(Vec3::new(0.1, 0.3, 2.0), 0.3, MaterialId(0))).unwrap();
-    renderer.update(&mut uploaded, &scene, Update::Rebuild(Default::default())).unwrap();
+    renderer.update(&mut uploaded, &scene, Update::Rebuild(Default::default())).wait().unwrap();
     pair("with a sphere more", &mut renderer, &uploaded, &camera(), &Options::new(Method::Naive));
 }
 
@@ -137,7 +138,7 @@ fn scenes_without_a_tree_are_those_of_rays() {
     let mut planes = Scene::new();
     planes.add_plane(Plane::new(Vec3::NEG_Y, Vec3::Y, MaterialId(0))).unwrap();
     for scene in [Scene::new(), planes] {
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         let options = Options::new(Method::Naive);
         both("no tree", &mut renderer, &uploaded, &Rig::pair(camera()), &options, &[]);
     }
@@ -146,11 +147,11 @@ fn scenes_without_a_tree_are_those_of_rays() {
 #[test]
 fn a_frame_may_be_stopped_and_the_next_one_is_whole() {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     let options = Options::new(Method::Naive).visibility(Visibility::TBuffer);
     let wide = camera().size(4096, 150);
     let mut stop = |_| std::ops::ControlFlow::Break(());
-    let stopped = renderer.render_with(&uploaded, &wide, &options, &mut stop);
+    let stopped = renderer.pair(&uploaded, &wide).options(&options).progress(&mut stop).read().wait();
     assert!(matches!(stopped, Err(Error::Cancelled)), "{stopped:?}");
     pair("after one that was stopped", &mut renderer, &uploaded, &wide, &options);
 }

@@ -2,6 +2,7 @@
 
 use stereotrace::{
     Ellipsoid, MISS, MaterialId, Mesh, Method, Options, Scene, Sphere, StereoCamera,
+    blocking::Wait,
     glam::{Mat3, Vec3},
 };
 
@@ -17,7 +18,7 @@ fn camera() -> StereoCamera {
 /// The share of both views' pixels that show something.
 fn check(what: &str, scene: &Scene, camera: &StereoCamera) -> f64 {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
+    let uploaded = renderer.upload(scene).wait().unwrap();
     let views = pair(what, &mut renderer, &uploaded, camera, &Options::new(Method::Naive)).views;
     let all: Vec<u32> = views.iter().flat_map(|view| view.view.primitive.clone()).collect();
     all.iter().filter(|&&id| id != MISS).count() as f64 / all.len() as f64
@@ -37,7 +38,7 @@ fn what_stands_around_the_eyes_is_that_of_rays() {
     let mut random = Random::new(11);
     let scene = RandomScene { seed: 12, triangles: 200, spheres: 15, ellipsoids: 15, ..RandomScene::default() }.build();
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     for view in 0..24 {
         let eye = random.point(0.8);
         let target = eye + random.point(1.0).normalize();
@@ -70,8 +71,9 @@ fn balls_at_the_plane_of_the_eyes_are_those_of_rays_and_so_they_are_by_bracket()
             let what = format!("balls {away} before the plane of the eyes, round: {round}");
             check(&what, &scene, &wide);
             let mut renderer = renderer();
-            let uploaded = renderer.upload(&scene).unwrap();
-            let mut right = |method| renderer.render(&uploaded, &wide, &Options::new(method)).unwrap().right;
+            let uploaded = renderer.upload(&scene).wait().unwrap();
+            let mut right =
+                |method| renderer.pair(&uploaded, &wide).options(&Options::new(method)).read().wait().unwrap().right;
             assert!(right(Method::BRACKET_RAYS) == right(Method::Naive), "{what}, by bracket");
         }
     }
@@ -170,7 +172,7 @@ fn of_equal_t_the_smaller_id_is_seen() {
         scene.add_mesh(&Mesh::new(positions.collect(), triangles)).unwrap();
     }
     let mut renderer = renderer();
-    let uploaded = renderer.upload(&scene).unwrap();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
     let views = pair("copies", &mut renderer, &uploaded, &camera(), &Options::new(Method::Naive)).views;
     let seen: Vec<u32> = views.iter().flat_map(|view| view.view.primitive.clone()).filter(|&id| id != MISS).collect();
     assert!(seen.len() > 500 && seen.iter().all(|&id| id < 60), "{}", seen.len());

@@ -8,7 +8,9 @@ mod hard;
 mod scenes;
 
 use common::is_exact;
-use stereotrace::{Method, Options, Renderer, Rig, StereoCamera, UploadedScene, View, Views, Visibility};
+use stereotrace::{
+    Method, Options, Renderer, Rig, StereoCamera, UploadedScene, View, Views, Visibility, blocking::Wait,
+};
 
 /// Pixels of two views that differ in their colours, depths or ids; elsewhere than on exact adapters in their ids
 /// alone, and few may.
@@ -36,7 +38,7 @@ fn both(
 ) -> Views {
     let exact = is_exact(renderer);
     let [by_rays, drawn] = [Visibility::Rays, Visibility::TBuffer].map(|way| {
-        let views = renderer.render_views(scene, rig, &options.clone().visibility(way));
+        let views = renderer.views(scene, rig).options(&options.clone().visibility(way)).read().wait();
         views.unwrap_or_else(|error| panic!("{what}: {error}"))
     });
     assert!(!drawn.in_steps, "{what}");

@@ -2,6 +2,7 @@
 
 use stereotrace::{
     Method, Options, Scene, StereoCamera,
+    blocking::Wait,
     glam::Vec3,
     scene::builtin::Builtin,
     testing::cpu::{Eye, Frame, trace_left::trace_left},
@@ -17,7 +18,7 @@ const METHODS: [Method; 4] = [Method::Naive, Method::ATOMIC, Method::BRACKET, Me
 
 fn by_all_methods(name: &str, scene: &Scene, camera: &StereoCamera) {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
+    let uploaded = renderer.upload(scene).wait().unwrap();
     for method in METHODS {
         pair(name, &mut renderer, &uploaded, camera, &Options::new(method).linear(true));
     }
@@ -69,7 +70,7 @@ fn hits_are_those_of_a_loop_over_all_primitives() {
         return;
     }
     for (index, scene) in all.into_iter().chain([random_foliage(3, true)]).enumerate() {
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         for (place, camera) in [("before", camera), ("inside", inside)] {
             let what = format!("{place} scene {index}");
             let pair = pair(&what, &mut renderer, &uploaded, &camera, &Options::new(Method::Naive));
@@ -106,7 +107,7 @@ fn real_meshes_are_those_of_rays() {
         let camera = StereoCamera::from_json(folder.join("cameras.json"), name, 201, 151).unwrap();
         scene.place_lights(2, &camera).unwrap();
         let mut renderer = renderer();
-        let uploaded = renderer.upload(&scene).unwrap();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
         for method in [Method::Naive, Method::BRACKET] {
             pair(name, &mut renderer, &uploaded, &camera, &Options::new(method));
         }

@@ -12,6 +12,7 @@ mod updates;
 use common::renderer;
 use stereotrace::{
     Material, Mesh, Method, Options, Scene, StereoCamera, StereoPair, Texture, TextureKind, Wrap,
+    blocking::Wait,
     glam::{DVec2, DVec3, Vec2, Vec3},
 };
 
@@ -43,8 +44,8 @@ fn textured(mesh: Mesh, texture: Texture) -> Scene {
 
 fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, &Options::new(method).linear(true)).unwrap()
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    renderer.pair(&uploaded, camera).options(&Options::new(method).linear(true)).read().wait().unwrap()
 }
 
 /// Linear colours of the left view.

@@ -3,6 +3,7 @@
 use stereotrace::{
     Boxes, Ellipsoid, Fetch, Light, Material, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera, Texture,
     Traversal, Wrap,
+    blocking::Wait,
     glam::{Mat3, Vec2, Vec3},
 };
 
@@ -68,9 +69,14 @@ fn textured_scenes_look_alike_by_every_traversal_and_by_bracket() {
                 println!("skipped: bit-exact comparison on an adapter that may contract f32");
                 return;
             }
-            let uploaded = renderer.upload(&scene).unwrap();
+            let uploaded = renderer.upload(&scene).wait().unwrap();
             let mut shown = |method| {
-                let pair = renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap();
+                let pair = renderer
+                    .pair(&uploaded, &camera)
+                    .options(&Options::new(method).linear(true))
+                    .read()
+                    .wait()
+                    .unwrap();
                 assert!(
                     pair.left.linear.iter().flatten().all(|value| value.is_finite()),
                     "{name} {method} {traversal}"

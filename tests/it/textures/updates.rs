@@ -2,6 +2,7 @@
 
 use stereotrace::{
     BvhBuild, Material, MaterialId, Mesh, Method, Options, Scene, StereoCamera, Texture, TextureId, Update,
+    blocking::Wait,
     glam::{Affine3A, Vec3},
 };
 
@@ -66,16 +67,16 @@ fn whatever_changes_of_its_materials_a_scene_looks_as_uploaded_anew() {
     let mut renderer = renderer();
     let mut scene = everything();
     let hows = [Update::Refit, Update::Rebuild(BvhBuild::Fast)];
-    let mut states = hows.map(|how| (how, renderer.upload(&scene).unwrap()));
+    let mut states = hows.map(|how| (how, renderer.upload(&scene).wait().unwrap()));
     for (name, change) in CHANGES {
         change(&mut scene);
-        let new = renderer.upload(&scene).unwrap();
+        let new = renderer.upload(&scene).wait().unwrap();
         for method in [Method::Naive, Method::BRACKET] {
             let options = Options::new(method).linear(true);
-            let expected = renderer.render(&new, &camera, &options).unwrap();
+            let expected = renderer.pair(&new, &camera).options(&options).read().wait().unwrap();
             for (how, uploaded) in &mut states {
-                renderer.update(uploaded, &scene, *how).unwrap();
-                let found = renderer.render(uploaded, &camera, &options).unwrap();
+                renderer.update(uploaded, &scene, *how).wait().unwrap();
+                let found = renderer.pair(uploaded, &camera).options(&options).read().wait().unwrap();
                 assert!(found.left == expected.left && found.right == expected.right, "{name}, {how:?}, {method}");
             }
         }

@@ -2,6 +2,7 @@
 
 use stereotrace::{
     Method, Options, Renderer, Scene, StereoCamera, View,
+    blocking::Wait,
     glam::DVec3,
     testing::cpu::{Eye, Frame},
 };
@@ -44,8 +45,9 @@ fn judge(view: &View, truth: &[Seen], beside: &[Vec<Seen>], least_slope: f64) ->
 
 /// Both views of a scene by `Naive`, judged; colours where rays meet surfaces at more than this slope.
 pub(crate) fn judged(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, least_slope: f64) -> [Judged; 2] {
-    let uploaded = renderer.upload(scene).unwrap();
-    let pair = renderer.render(&uploaded, camera, &Options::new(Method::Naive).linear(true)).unwrap();
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    let pair =
+        renderer.pair(&uploaded, camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap();
     let frame = Frame::new(&pair.pose);
     let truth = Truth::new(scene);
     let [width, height] = frame.size();

@@ -1,0 +1,236 @@
+//! A frame asked for by a builder: what it shows, how it is rendered, and where its pictures go.
+
+use std::ops::ControlFlow;
+
+use super::{encode::Encoded, frame::Done, renderer::Renderer};
+use crate::{
+    Error, Method, OnProgress, Options, Progress, Rig, Statistics, StereoCamera, StereoPair, UploadedScene, Views,
+    frame::{OnRows, Rows, ViewRows},
+    view::rig::Eyes,
+};
+
+/// A frame that is not rendered yet ([`Renderer::pair`], [`Renderer::views`]). `C` is what it shows: a [`StereoCamera`]
+/// for a pair, a [`Rig`] for any number of views. One of its last methods renders it: [`FrameBuilder::read`] returns
+/// the pictures, [`FrameBuilder::rows`] streams them, [`FrameBuilder::encode`] leaves them on the device.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use stereotrace::{Builtin, Gpu, Method, Options, Renderer, blocking::Wait};
+///
+/// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(96, 64));
+/// let mut renderer = Renderer::new(Gpu::new().wait()?);
+/// let uploaded = renderer.upload(&scene).wait()?;
+/// let options = Options::new(Method::BRACKET).samples(4);
+/// let mut show = |progress: stereotrace::Progress| {
+///     println!("{:.0} %", 100.0 * progress.done);
+///     ControlFlow::Continue(())
+/// };
+/// let pair = renderer.pair(&uploaded, &camera).options(&options).progress(&mut show).read().wait()?;
+/// assert_eq!((pair.left.width, pair.left.height), (96, 64));
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[must_use = "a frame is rendered by `read`, `rows`, `encode`, `encode_bands` or `trace`"]
+pub struct FrameBuilder<'a, C> {
+    renderer: &'a mut Renderer,
+    scene: &'a UploadedScene,
+    cameras: &'a C,
+    options: Options,
+    progress: Option<&'a mut OnProgress<'a>>,
+}
+
+impl<C: std::fmt::Debug> std::fmt::Debug for FrameBuilder<'_, C> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { cameras, options, .. } = self;
+        formatter
+            .debug_struct("FrameBuilder")
+            .field("cameras", cameras)
+            .field("options", options)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Renderer {
+    /// Asks for a stereo pair. Toed-in eyes ([`Convergence::ToeIn`](crate::Convergence::ToeIn)) are traced one after
+    /// the other by [`Method::Naive`], whatever the method. A warning says so once per renderer.
+    pub fn pair<'a>(
+        &'a mut self,
+        scene: &'a UploadedScene,
+        camera: &'a StereoCamera,
+    ) -> FrameBuilder<'a, StereoCamera> {
+        FrameBuilder { renderer: self, scene, cameras: camera, options: Options::default(), progress: None }
+    }
+
+    /// Asks for the views of a rig.
+    pub fn views<'a>(&'a mut self, scene: &'a UploadedScene, rig: &'a Rig) -> FrameBuilder<'a, Rig> {
+        FrameBuilder { renderer: self, scene, cameras: rig, options: Options::default(), progress: None }
+    }
+}
+
+impl<'a, C> FrameBuilder<'a, C> {
+    /// Sets the options. Without them the frame is rendered by [`Method::Auto`], with one sample per pixel.
+    pub fn options(mut self, options: &Options) -> Self {
+        self.options = options.clone();
+        self
+    }
+
+    /// Sets a callback for the progress. It is called after every band of rows and may stop the frame. Frames that are
+    /// encoded do not call it.
+    pub fn progress(mut self, progress: &'a mut OnProgress<'a>) -> Self {
+        self.progress = Some(progress);
+        self
+    }
+}
+
+impl<C: Clone + Into<Rig>> FrameBuilder<'_, C> {
+    /// Renders the frame and passes the rows of its views to `on_rows` as they are done, from the top down, some dozens
+    /// at a time. Neither device nor host holds more than a band of rows, so pictures may have any height. The returned
+    /// views have no rows, but all other results.
+    ///
+    /// ```
+    /// use stereotrace::{Builtin, Gpu, Renderer, blocking::Wait};
+    ///
+    /// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(96, 200));
+    /// let mut renderer = Renderer::new(Gpu::new().wait()?);
+    /// let uploaded = renderer.upload(&scene).wait()?;
+    /// let mut rows = 0;
+    /// let mut count = |band: stereotrace::Rows| {
+    ///     assert_eq!(band.first, rows);
+    ///     rows += band.views[0].view.height;
+    ///     Ok(())
+    /// };
+    /// renderer.pair(&uploaded, &camera).rows(&mut count).wait()?;
+    /// assert_eq!(rows, 200);
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`FrameBuilder::read`], and any error of `on_rows`, which ends the frame.
+    pub async fn rows(self, on_rows: &mut OnRows<'_>) -> Result<Views, Error> {
+        let Self { renderer, scene, cameras, options, progress } = self;
+        let mut go_on = |_| ControlFlow::Continue(());
+        let progress = progress.map_or(&mut go_on as &mut OnProgress<'_>, |progress| progress);
+        let eyes = cameras.clone().into().eyes(scene.origin)?;
+        let done = renderer.sampled(scene, &eyes, &options, true, progress, on_rows).await?;
+        let nothing = (0..eyes.sources.len()).map(|_| ViewRows::new(eyes.pose.size[0])).collect();
+        Ok(Views::of(done, nothing))
+    }
+
+    /// Encodes the frame into the caller's encoder. Its views stay on the device, and nothing is read back. The call
+    /// only waits for the driver's checks of new buffers and kernels. The commands are fixed: a thread ends early
+    /// if its rays take more rounds than the adapter grants. [`Encoded::unfinished`] counts such threads.
+    ///
+    /// # Errors
+    /// Those of [`FrameBuilder::read`]; [`Error::Encoding`] for a method with a stage on the host, and for options that
+    /// need reading back; [`Error::Limit`] for a picture larger than the adapter's textures.
+    pub async fn encode(self, encoder: &mut wgpu::CommandEncoder) -> Result<Encoded, Error> {
+        let rig = self.cameras.clone().into();
+        let encoded = self.renderer.encode_each(self.scene, &rig, &self.options, Some(encoder)).await;
+        encoded.map(|(encoded, _)| encoded)
+    }
+
+    /// Encodes the frame as one command buffer per band of rows, from the top down. This suits frames so heavy that a
+    /// watchdog would end one submission, or that must leave the device to others in between. Submit the buffers in
+    /// order, with nothing else of this renderer between them.
+    ///
+    /// # Errors
+    /// Those of [`FrameBuilder::encode`].
+    pub async fn encode_bands(self) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
+        let rig = self.cameras.clone().into();
+        self.renderer.encode_each(self.scene, &rig, &self.options, None).await
+    }
+}
+
+impl FrameBuilder<'_, Rig> {
+    /// Renders the frame and returns its views.
+    ///
+    /// ```
+    /// use stereotrace::{Builtin, Gpu, Renderer, Rig, blocking::Wait, output::quilt};
+    ///
+    /// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(96, 64).interaxial_pixels(2.0));
+    /// let mut renderer = Renderer::new(Gpu::new().wait()?);
+    /// let uploaded = renderer.upload(&scene).wait()?;
+    /// let views = renderer.views(&uploaded, &Rig::row(camera, 6)).read().wait()?;
+    /// assert_eq!(quilt(&views, 3, 2)?.width, 3 * 96);
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Camera`] for an invalid camera, [`Error::Rig`] for a rig that can't be rendered, [`Error::Samples`] for
+    /// an unsupported number of samples, [`Error::Limit`] for a picture that the adapter can't bind,
+    /// [`Error::Cancelled`] if the progress callback breaks, [`Error::ForeignScene`] for a scene on another
+    /// [`Gpu`](crate::Gpu), [`Error::DeviceLost`] and [`Error::OutOfMemory`].
+    pub async fn read(self) -> Result<Views, Error> {
+        let Self { renderer, scene, cameras, options, progress } = self;
+        let mut go_on = |_| ControlFlow::Continue(());
+        let progress = progress.map_or(&mut go_on as &mut OnProgress<'_>, |progress| progress);
+        let eyes = cameras.eyes(scene.origin)?;
+        let (done, views) = renderer.whole_frame(scene, &eyes, &options, progress).await?;
+        Ok(Views::of(done, views))
+    }
+}
+
+impl FrameBuilder<'_, StereoCamera> {
+    /// Renders the frame and returns the pair.
+    ///
+    /// # Errors
+    /// As [`FrameBuilder::<Rig>::read`], without [`Error::Rig`].
+    pub async fn read(self) -> Result<StereoPair, Error> {
+        let Self { renderer, scene, cameras: camera, options, progress } = self;
+        let mut go_on = |_| ControlFlow::Continue(());
+        let progress = progress.map_or(&mut go_on as &mut OnProgress<'_>, |progress| progress);
+        let pose = camera.pose_in(scene.origin)?;
+        let Some([first, second]) = renderer.toed_in(&pose, &options) else {
+            let (done, views) = renderer.whole_frame(scene, &Eyes::pair(&pose), &options, progress).await?;
+            return Ok(StereoPair::of(done, views));
+        };
+        let options = Options { method: Method::Naive, ..options };
+        let left = renderer.whole_frame(scene, &first, &options, &mut half_of(progress, 0.0)).await?;
+        let right = renderer.whole_frame(scene, &second, &options, &mut half_of(progress, 0.5)).await?;
+        Ok(StereoPair::of_two(pose, left, right))
+    }
+
+    /// Runs the passes of the frame without reading the pictures back; for benchmarks.
+    ///
+    /// # Errors
+    /// As [`FrameBuilder::read`].
+    pub async fn trace(self) -> Result<Statistics, Error> {
+        let Self { renderer, scene, cameras: camera, options, progress } = self;
+        let mut go_on = |_| ControlFlow::Continue(());
+        let progress = progress.map_or(&mut go_on as &mut OnProgress<'_>, |progress| progress);
+        let pose = camera.pose_in(scene.origin)?;
+        let Some([first, second]) = renderer.toed_in(&pose, &options) else {
+            let done = renderer.sampled(scene, &Eyes::pair(&pose), &options, false, progress, &mut |_| Ok(())).await?;
+            return Ok(done.pair_statistics());
+        };
+        let options = Options { method: Method::Naive, ..options };
+        let left =
+            renderer.sampled(scene, &first, &options, false, &mut half_of(progress, 0.0), &mut |_| Ok(())).await?;
+        let mut half = half_of(progress, 0.5);
+        let right = renderer.sampled(scene, &second, &options, false, &mut half, &mut |_| Ok(())).await?;
+        Ok(left.beside(right).pair_statistics())
+    }
+}
+
+impl Renderer {
+    /// Renders a frame and keeps all rows of its views.
+    async fn whole_frame(
+        &mut self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<(Done, Vec<ViewRows>), Error> {
+        let mut views = ViewRows::with_room(eyes, options)?;
+        let mut keep = |rows: Rows| {
+            views.iter_mut().zip(rows.views).for_each(|(view, rows)| view.append(rows));
+            Ok(())
+        };
+        let done = self.sampled(scene, eyes, options, true, progress, &mut keep).await?;
+        Ok((done, views))
+    }
+}
+
+/// Maps the progress of half a frame, from `begin`, to the whole frame.
+fn half_of(progress: &mut OnProgress<'_>, begin: f32) -> impl FnMut(Progress) -> ControlFlow<()> {
+    move |Progress { pass, done }| progress(Progress { pass, done: begin + 0.5 * done })
+}

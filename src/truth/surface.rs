@@ -1,0 +1,127 @@
+//! The surface at a hit, in f64 on the host: normals, barycentric coordinates, object and material.
+
+use glam::{DVec3, Vec3};
+
+use crate::{
+    MISS, MaterialId, Ray, RayHit, Scene,
+    scene::{Primitive, ToSphere, Triangle},
+};
+
+/// The surface that a ray hits ([`Scene::surface`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Surface {
+    /// Geometric normal on the side where the ray comes from: unit length, world frame.
+    pub geometric_normal: Vec3,
+    /// Shading normal, interpolated where a mesh has normals, on the side of the geometric one: unit length, world
+    /// frame.
+    pub shading_normal: Vec3,
+    /// Barycentric coordinates of the hit: the weights of the triangle's corners, at least 0, of sum 1. `None` for
+    /// spheres, ellipsoids and planes.
+    pub barycentric: Option<[f32; 3]>,
+    /// Id of the primitive's object ([`Scene::object_of`]).
+    pub object: u32,
+    /// Id of the primitive's material.
+    pub material: MaterialId,
+}
+
+impl Scene {
+    /// Returns the surface that a ray hits, or `None` for a miss and for a primitive that the scene lacks. The hit must
+    /// be of this scene, as it was uploaded.
+    ///
+    /// ```
+    /// use stereotrace::{Gpu, Material, Mesh, Ray, Renderer, Scene, blocking::Wait, glam::Vec3};
+    ///
+    /// let mut scene = Scene::new();
+    /// scene.add_material(Material::new(Vec3::splat(0.5)));
+    /// scene.add_mesh(&Mesh::new(vec![Vec3::ZERO, 4.0 * Vec3::X, 4.0 * Vec3::Y], vec![[0, 1, 2]]))?;
+    /// let renderer = Renderer::new(Gpu::new().wait()?);
+    /// let uploaded = renderer.upload(&scene).wait()?;
+    /// let ray = Ray::new(Vec3::new(1.0, 2.0, 5.0), -Vec3::Z);
+    /// let hit = renderer.closest_hits(&uploaded, &[ray]).wait()?.hits[0];
+    /// let surface = scene.surface(&ray, &hit).unwrap();
+    /// assert_eq!(surface.geometric_normal, Vec3::Z);
+    /// assert_eq!(surface.barycentric, Some([0.25, 0.25, 0.5]));
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    pub fn surface(&self, ray: &Ray, hit: &RayHit) -> Option<Surface> {
+        if hit.primitive == MISS || hit.primitive as usize >= self.primitive_count() {
+            return None;
+        }
+        let along = (ray.origin - self.origin(), ray.direction.as_dvec3());
+        Some(at(self, hit.primitive, along, f64::from(hit.t)))
+    }
+}
+
+/// Returns the surface of a primitive that a ray hits near `t`. The ray is an origin relative to the scene's and a
+/// direction. It is the f64 counterpart of `surface_of` in shaders/shared.
+pub(super) fn at(scene: &Scene, primitive: u32, (origin, direction): (DVec3, DVec3), t: f64) -> Surface {
+    let found = match scene.primitive(primitive) {
+        Primitive::Triangle(triangle) => of_triangle(triangle, origin, direction),
+        Primitive::Plane(plane) => flat(plane.unit_normal().as_dvec3(), direction, plane.material),
+        Primitive::Sphere(sphere) => {
+            let outward = outward(&ToSphere::identity(sphere.radius), origin - sphere.center.as_dvec3(), direction, t);
+            flat(outward, direction, sphere.material)
+        }
+        Primitive::Ellipsoid(ellipsoid) => {
+            let outward = outward(&ellipsoid.to_sphere(), origin - ellipsoid.center.as_dvec3(), direction, t);
+            flat(outward, direction, ellipsoid.material)
+        }
+    };
+    Surface { object: scene.object_of(primitive), ..found }
+}
+
+/// Returns a surface lit by its geometric normal, which may have any length but 0.
+fn flat(normal: DVec3, direction: DVec3, material: MaterialId) -> Surface {
+    let normal = towards_viewer(normal, direction).as_vec3();
+    Surface { geometric_normal: normal, shading_normal: normal, barycentric: None, object: MISS, material }
+}
+
+fn towards_viewer(normal: DVec3, direction: DVec3) -> DVec3 {
+    let unit = normal.normalize_or_zero();
+    if unit.dot(direction) > 0.0 { -unit } else { unit }
+}
+
+fn of_triangle(triangle: &Triangle, origin: DVec3, direction: DVec3) -> Surface {
+    let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - origin);
+    let normal = (b - a).cross(c - a);
+    // A corner's barycentric weight is the volume that the ray spans with the opposite edge. Rounding may leave the
+    // point slightly outside.
+    let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|edge| edge.dot(direction));
+    let sign = volumes.iter().sum::<f64>().signum();
+    let shares = volumes.map(|volume| (sign * volume).max(0.0));
+    let sum: f64 = shares.iter().sum();
+    let weights = shares.map(|share| share / sum);
+    let flat = Surface {
+        barycentric: Some(weights.map(|weight| weight as f32)),
+        ..flat(normal, direction, triangle.material)
+    };
+    if !triangle.is_smooth() {
+        return flat;
+    }
+    let normals = triangle.normals.map(|normal| normal.as_dvec3().normalize_or_zero());
+    let blend = normals.iter().zip(weights).map(|(normal, weight)| *normal * weight).sum::<DVec3>();
+    // As in the kernels, the geometric normal is used if the normals cancel each other or the blend is NaN, as with
+    // slivers.
+    let is_usable = blend.length_squared() > 1e-6;
+    if !is_usable {
+        return flat;
+    }
+    let unit = blend.normalize();
+    let geometric = towards_viewer(normal, direction);
+    Surface { shading_normal: if unit.dot(geometric) < 0.0 { -unit } else { unit }.as_vec3(), ..flat }
+}
+
+/// Returns the normal, of any length, where a ray hits an ellipsoid near `t`. The hit is computed again, because the
+/// rounding of a depth may be large compared with the radius of a small ellipsoid.
+fn outward(map: &ToSphere, from_center: DVec3, direction: DVec3, t: f64) -> DVec3 {
+    let rows = map.rows.map(|row| row.as_dvec3());
+    let mapped = |vector: DVec3| DVec3::from_array(rows.map(|row| row.dot(vector)));
+    let (origin, along, radius) = (mapped(from_center), mapped(direction), f64::from(map.radius));
+    let middle = -origin.dot(along) / along.length_squared();
+    let nearest = origin + along * middle;
+    // A ray that misses by rounding is taken to hit at its closest approach.
+    let half = ((radius * radius - nearest.length_squared()).max(0.0) / along.length_squared()).sqrt();
+    let met = nearest + along * if t < middle { -half } else { half };
+    rows[0] * met.x + rows[1] * met.y + rows[2] * met.z
+}
