@@ -14,5 +14,5 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(_: &Arguments, _: &Global) -> Result<Summary, Box<dyn Error>> {
-    Err("view: this build has no window; get one with: cargo install --locked --path cli --features view".into())
+    Err("view: this build has no window; get one with: cargo install --locked --path cli".into())
 }

@@ -18,7 +18,7 @@ pub(crate) use self::{
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
-use stereotrace::Gpu;
+use stereotrace::{Gpu, blocking::Wait};
 
 use crate::{
     commands::{compare, dataset, info, render, sequence, views},
@@ -77,8 +77,8 @@ pub(crate) struct Global {
 impl Global {
     pub(crate) fn gpu(&self) -> Result<Gpu, stereotrace::Error> {
         match &self.adapter {
-            Some(name) => Gpu::open(name.as_str()),
-            None => Gpu::new(),
+            Some(name) => Gpu::open(name.as_str()).wait(),
+            None => Gpu::new().wait(),
         }
     }
 }
@@ -91,7 +91,7 @@ pub(crate) enum Command {
     Sequence(Box<sequence::Arguments>),
     /// Render any number of views from left to right, as files or as a quilt for a light-field display
     Views(Box<views::Arguments>),
-    /// Open a window with a live pair, and navigate by mouse and keys (only in builds with the feature `view`)
+    /// Open a window with a live pair, and navigate by mouse and keys
     View(Box<view::Arguments>),
     /// Render pairs with ground truth for stereo vision: disparity, occlusion, calibration, in known layouts
     Dataset(Box<dataset::Arguments>),
