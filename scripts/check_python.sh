@@ -1,8 +1,9 @@
 #!/bin/sh
 # Builds the Python package as a wheel, installs it as a user would and runs its tests: types, pictures, data sets, Ray.
 #   sh scripts/check_python.sh [ARGUMENTS OF pytest]
-# The wheel is left in target/python/wheels. Needs Python 3.10 or newer, which it installs with its venv where apt-get can, and the Python package
-# registry once: some 300 MB in target/python.
+# The wheel is left in target/python/wheels. Needs Python 3.10 or newer, which it installs with its venv where apt-get
+# can, and the Python package registry once: some 300 MB in target/python. STEREOTRACE_PROFILE is a profile of cargo;
+# release by default.
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 # shellcheck disable=SC2034 # setup.sh reads it
@@ -17,12 +18,14 @@ packages='maturin==1.16.0 numpy==2.4.6 pyyaml==6.0.3 fsspec==2026.9.0 tqdm==4.70
 venv=$root/target/python/venv
 python_venv 3.10 "$venv" "$packages"
 
+profile=${STEREOTRACE_PROFILE:-release}
 wheels=$root/target/python/wheels
 rm -rf "$wheels"
-(cd "$root/python" && PATH=$venv/bin:$PATH maturin build --quiet --release --locked --out "$wheels")
+(cd "$root/python" && PATH=$venv/bin:$PATH maturin build --quiet --profile "$profile" --locked --out "$wheels")
 "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps "$wheels"/*.whl
-cargo build --quiet --release --manifest-path "$root/Cargo.toml" --package stereotrace-cli
-export STEREOTRACE_COMMAND="$root/target/release/stereotrace"
+cargo build --quiet --profile "$profile" --manifest-path "$root/Cargo.toml" --package stereotrace-cli
+case $profile in dev) built=debug ;; *) built=$profile ;; esac
+export STEREOTRACE_COMMAND="$root/target/$built/stereotrace"
 
 # From here: no folder named stereotrace may hide the package that was installed.
 cd "$root/target/python"

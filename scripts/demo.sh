@@ -1,7 +1,8 @@
 #!/bin/sh
 # Renders a stereo pair and its anaglyph on whatever adapter is there, installing a software one where there is none.
 #   sh scripts/demo.sh [COMMAND AND ARGUMENTS OF stereotrace, such as --help]
-# Without arguments: render, which is the built-in hall, into out/. Paths are relative to where you are, not to the repository.
+# Without arguments: render, which is the built-in hall, into out/. Paths are relative to where you are, not to the
+# repository. STEREOTRACE_PROFILE is a profile of cargo; release by default.
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 # shellcheck disable=SC2034 # setup.sh reads it
@@ -10,4 +11,4 @@ adapter=any
 . "$root/scripts/setup.sh"
 
 [ $# -gt 0 ] || set -- render
-exec cargo run --release --manifest-path "$root/Cargo.toml" --package stereotrace-cli -- "$@"
+exec cargo run --profile "${STEREOTRACE_PROFILE:-release}" --manifest-path "$root/Cargo.toml" --package stereotrace-cli -- "$@"
