@@ -3,7 +3,8 @@
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
+
+use tempfile::{NamedTempFile, TempPath};
 
 use super::stale;
 use crate::Error;
@@ -57,8 +58,8 @@ struct Staged {
 
 #[derive(Debug)]
 enum Content {
-    /// A written file, to be renamed.
-    Temporary { temporary: PathBuf, target: PathBuf, replaces: bool },
+    /// A written file, to be renamed. It is removed when dropped.
+    Temporary { temporary: TempPath, target: PathBuf, replaces: bool },
     /// Content for a target that can't be replaced.
     Direct(Vec<u8>),
 }
@@ -93,36 +94,30 @@ impl Batch {
     ///
     /// # Errors
     /// [`Error::Io`], naming the file that could not be renamed. Files that were new are removed again.
-    pub fn commit(mut self) -> Result<Vec<PathBuf>, Error> {
+    pub fn commit(self) -> Result<Vec<PathBuf>, Error> {
         for Staged { path, content } in &self.staged {
             if let Content::Direct(bytes) = content {
                 let written = open_direct(path).and_then(|mut file| file.write_all(bytes));
                 written.map_err(|source| Error::io(path, source))?;
             }
         }
-        for (index, Staged { path, content }) in self.staged.iter().enumerate() {
-            let Content::Temporary { temporary, target, .. } = content else { continue };
-            if let Err(source) = fs::rename(temporary, target) {
-                let error = Error::io(path, source);
-                for Staged { content, .. } in &self.staged[..index] {
-                    if let Content::Temporary { target, replaces: false, .. } = content {
+        let mut new = Vec::new();
+        let mut paths = Vec::with_capacity(self.staged.len());
+        for Staged { path, content } in self.staged {
+            if let Content::Temporary { temporary, target, replaces } = content {
+                if let Err(error) = temporary.persist(&target) {
+                    for target in new {
                         let _ = fs::remove_file(target); // report the first error only
                     }
+                    return Err(Error::io(path, error.error));
                 }
-                return Err(error);
+                if !replaces {
+                    new.push(target);
+                }
             }
+            paths.push(path);
         }
-        Ok(std::mem::take(&mut self.staged).into_iter().map(|staged| staged.path).collect())
-    }
-}
-
-impl Drop for Batch {
-    fn drop(&mut self) {
-        for Staged { content, .. } in &self.staged {
-            if let Content::Temporary { temporary, .. } = content {
-                let _ = fs::remove_file(temporary); // fails if it was renamed
-            }
-        }
+        Ok(paths)
     }
 }
 
@@ -137,10 +132,8 @@ fn stage(path: &Path, write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<
     if let Some(old) = &old {
         check_replaceable(&target, old)?;
     }
-    let (temporary, file) = create_beside(&target)?;
-    fill(file, write, old.as_ref().map(fs::Metadata::permissions)).inspect_err(|_| {
-        let _ = fs::remove_file(&temporary); // report the first error only
-    })?;
+    let (file, temporary) = create_beside(&target)?.into_parts();
+    fill(file, write, old.as_ref().map(fs::Metadata::permissions))?;
     Ok(Content::Temporary { temporary, target, replaces: old.is_some() })
 }
 
@@ -204,18 +197,19 @@ fn check_replaceable(target: &Path, old: &fs::Metadata) -> io::Result<()> {
 }
 
 /// Creates a file in the folder of `target`. Its name does not contain the target's, which may have the maximum length.
-fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
-    static COUNT: AtomicU32 = AtomicU32::new(0);
-    let folder = target.parent().unwrap_or(Path::new(""));
+fn create_beside(target: &Path) -> io::Result<NamedTempFile> {
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     stale::remove_once(folder);
-    loop {
-        let temporary = folder.join(stale::name(COUNT.fetch_add(1, Ordering::Relaxed)));
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            // Left by a killed process of the same id: try the next name.
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
-            created => return created.map(|file| (temporary, file)),
-        }
-    }
+    let prefix = stale::prefix();
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(stale::SUFFIX);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask, as of other new files
+    builder.tempfile_in(folder).map_err(|error| {
+        // The cause, without the temporary file's name: callers name the target.
+        let cause = error.get_ref().and_then(std::error::Error::source);
+        cause.map_or_else(|| error.kind().into(), |cause| io::Error::new(error.kind(), cause.to_string()))
+    })
 }
 
 /// Writes the file, syncs it to disk and closes it, since Windows does not rename open files.

@@ -9,12 +9,14 @@ use std::time::{Duration, SystemTime};
 /// Age from which no process can still be writing a temporary file, wherever it runs.
 const OLD: Duration = Duration::from_secs(24 * 3600);
 
-/// Returns the name of this process's temporary file number `count`. It contains the process id and where that is
-/// valid.
-pub(super) fn name(count: u32) -> String {
-    // wasm32 has neither processes nor files: opening this file gives the error to report.
+/// How the names of temporary files end.
+pub(super) const SUFFIX: &str = ".tmp";
+
+/// Returns how the names of this process's temporary files begin: with the process id and where that is valid.
+pub(super) fn prefix() -> String {
+    // wasm32 has neither processes nor files: opening a file gives the error to report.
     let process = if cfg!(target_arch = "wasm32") { 0 } else { std::process::id() };
-    format!(".stereotrace-{}-{process}-{count}.tmp", place())
+    format!(".stereotrace-{}-{process}-", place())
 }
 
 /// Removes temporary files of dead processes from a folder, at this process's first call for that folder.
@@ -27,7 +29,6 @@ pub(super) fn remove_once(folder: &Path) {
 }
 
 fn remove(folder: &Path) {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     // A folder that can't be listed may still be writable, so errors are ignored.
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if entry.file_name().to_str().is_some_and(|name| is_stale(name, &entry)) {
@@ -38,7 +39,7 @@ fn remove(folder: &Path) {
 
 /// Returns whether the file is a temporary one whose process has ended, as far as can be known from here.
 fn is_stale(name: &str, entry: &fs::DirEntry) -> bool {
-    let Some(parts) = name.strip_prefix(".stereotrace-").and_then(|rest| rest.strip_suffix(".tmp")) else {
+    let Some(parts) = name.strip_prefix(".stereotrace-").and_then(|rest| rest.strip_suffix(SUFFIX)) else {
         return false;
     };
     let process: Option<u32> = match parts.split('-').collect::<Vec<_>>()[..] {
