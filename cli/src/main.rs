@@ -28,7 +28,7 @@ use std::{
     process::ExitCode,
 };
 
-use clap::{CommandFactory, Parser, error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand};
+use clap::{FromArgMatches, error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand};
 use stereotrace::message;
 
 use crate::{
@@ -44,8 +44,9 @@ const USAGE: u8 = 2;
 fn main() -> ExitCode {
     #[cfg(target_os = "linux")]
     keep_mesa_quiet();
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error,stereotrace=warn")).init();
-    let cli = match Cli::try_parse() {
+    log_to_stderr();
+    let parsed = arguments::command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         // Help keeps its line breaks, whether requested or printed for a missing command.
         Err(error) if !error.use_stderr() || error.kind() == DisplayHelpOnMissingArgumentOrSubcommand => error.exit(),
@@ -74,7 +75,7 @@ fn run(cli: &Cli) -> Result<Summary, Box<dyn Error>> {
         Command::Compare(arguments) => compare::run(arguments, global),
         Command::Info(arguments) => info::run(arguments, global),
         Command::Completions { shell } => {
-            clap_complete::generate(*shell, &mut Cli::command(), "stereotrace", &mut io::stdout());
+            clap_complete::generate(*shell, &mut arguments::command(), "stereotrace", &mut io::stdout());
             Ok(Summary::default())
         }
         Command::Man => {
@@ -86,7 +87,7 @@ fn run(cli: &Cli) -> Result<Summary, Box<dyn Error>> {
 
 /// Writes the manual page, followed by one page for each command.
 fn manual(out: &mut impl Write) -> io::Result<()> {
-    let mut whole = Cli::command();
+    let mut whole = arguments::command();
     whole.build();
     clap_mangen::Man::new(whole.clone()).render(out)?;
     for command in whole.get_subcommands().filter(|command| command.get_name() != "help") {
@@ -117,6 +118,20 @@ fn error_line(text: &str) -> String {
 /// Returns a path for printing, with control characters escaped.
 fn shown(path: &Path) -> String {
     message::escaped(&path.to_string_lossy())
+}
+
+/// Prints log records in the form of errors: `warning: …`.
+fn log_to_stderr() {
+    let filter = env_logger::Env::default().default_filter_or("error,stereotrace=warn");
+    let mut builder = env_logger::Builder::from_env(filter);
+    builder.format(|out, record| {
+        let level = match record.level() {
+            log::Level::Warn => "warning".into(),
+            level => level.as_str().to_lowercase(),
+        };
+        writeln!(out, "{level}: {}", record.args())
+    });
+    builder.init();
 }
 
 /// Suppresses Mesa's line `error: XDG_RUNTIME_DIR is invalid or not set in the environment.`, which it prints outside

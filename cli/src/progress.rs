@@ -14,6 +14,8 @@ use crate::arguments::Global;
 const PATIENCE: Duration = Duration::from_millis(500);
 /// Interval between plain lines.
 const INTERVAL: Duration = Duration::from_secs(10);
+/// Share of the work from which the remaining time is told: kernels are compiled before it.
+const TELLING: f64 = 0.05;
 /// Steps of the bar.
 const STEPS: u64 = 10_000;
 
@@ -39,7 +41,7 @@ impl Progress {
     fn with_bar(mut self, wanted: bool) -> Self {
         if wanted {
             let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::hidden());
-            let template = "{wide_bar} {percent:>3}% {msg}, {eta} left";
+            let template = "{wide_bar} {percent:>3}% {msg}";
             bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
             self.bar = Some(bar);
         }
@@ -50,10 +52,14 @@ impl Progress {
     pub(crate) fn show(&mut self, progress: stereotrace::Progress) -> ControlFlow<()> {
         let (all, done) = self.pictures;
         let share = (f64::from(done) + f64::from(progress.done)) / f64::from(all.max(1));
-        let what = match all {
+        let mut what = match all {
             1 => progress.pass.to_owned(),
             _ => format!("picture {} of {all}", done + 1),
         };
+        if share >= TELLING {
+            let left = self.begin.elapsed().as_secs_f64() * (1.0 - share) / share;
+            what += &format!(", about {left:.0} s left");
+        }
         if let Some(bar) = self.bar.as_ref().filter(|_| self.begin.elapsed() > PATIENCE) {
             if bar.is_hidden() {
                 bar.set_draw_target(ProgressDrawTarget::stderr());
@@ -62,8 +68,7 @@ impl Progress {
             bar.set_position((share * STEPS as f64) as u64);
         } else if self.plain && self.last.elapsed() > INTERVAL && share > 0.0 {
             self.last = Instant::now();
-            let left = self.begin.elapsed().as_secs_f64() * (1.0 - share) / share;
-            let _ = writeln!(io::stderr(), "{:.0}%, {what}, about {left:.0} s left", 100.0 * share);
+            let _ = writeln!(io::stderr(), "{:.0}%, {what}", 100.0 * share);
         }
         ControlFlow::Continue(())
     }

@@ -4,6 +4,7 @@ mod camera;
 mod light;
 mod picture;
 mod reading;
+mod short_help;
 mod subject;
 mod values;
 
@@ -12,6 +13,7 @@ pub(crate) use self::{
     light::LightArguments,
     picture::PictureArguments,
     reading::ReadingArguments,
+    short_help::command,
     subject::{Stage, Subject, depths},
     values::{above_zero, frames, size},
 };

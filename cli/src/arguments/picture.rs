@@ -17,9 +17,11 @@ pub(crate) struct PictureArguments {
     /// Size of one eye's picture in pixels [default: 1280x720, or that of --calib]
     #[arg(long = "size", value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub(super) size_said: Option<[u32; 2]>,
-    /// Method that makes the second eye: auto (the cheaper of bracket and naive, by prediction), naive (both eyes are
-    /// traced), ideal, atomic, buffer, buffer-2e, buffer-N (N slots a pixel), es-isler, adelson-hodges, atomic-edges,
-    /// buffer-edges, bracket, verified or bracket-rays
+    /// Method that makes the second eye: auto (the cheaper of bracket and naive), naive, bracket or another
+    ///
+    /// auto chooses by prediction; naive traces both eyes; bracket reuses the left eye and shows the same surfaces.
+    /// Others are ideal, atomic, buffer, buffer-2e, buffer-N (N slots a pixel), es-isler, adelson-hodges, atomic-edges,
+    /// buffer-edges, verified and bracket-rays.
     #[arg(long, default_value_t)]
     pub(crate) method: Method,
     /// Samples per pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64 [default: 4 for a file without --plain or

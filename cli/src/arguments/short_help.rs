@@ -1,0 +1,137 @@
+//! `-h`: the common options and examples, on one screen. `--help` has all options.
+
+use clap::{Arg, Command, CommandFactory};
+
+use super::Cli;
+
+/// The options that `-h` shows; other commands than these show all.
+const COMMON: &[&str] = &[
+    "scene",
+    "out",
+    "size_said",
+    "method",
+    "samples",
+    "packing",
+    "cameras",
+    "eye",
+    "target",
+    "fov",
+    "screen",
+    "interaxial",
+    "sky",
+    "orbit",
+    "path",
+    "quilt",
+    "layout",
+    "pairs",
+    "methods",
+    "quiet",
+    "help",
+];
+
+/// Examples of each command, a line each.
+const EXAMPLES: [(&str, &[&str]); 7] = [
+    (
+        "render",
+        &[
+            "stereotrace render                              the built-in hall, into out/",
+            "stereotrace render bunny.obj --out bunny.png    an anaglyph of your model",
+            "stereotrace render room.glb --camera Desk --samples 16 --packing side-by-side --out room.jpg",
+            "stereotrace render room.obj --sky studio.hdr --sky-light 16 --occlusion 16 --out room.png",
+        ],
+    ),
+    (
+        "sequence",
+        &[
+            "stereotrace sequence bunny.obj --orbit 72 --out turn    a turntable, as numbered files",
+            "stereotrace sequence room.obj --path walk.json --packing side-by-side --out walk",
+        ],
+    ),
+    (
+        "views",
+        &[
+            "stereotrace views --quilt 9x5 --size 512x512 --interaxial-px 2",
+            "stereotrace views room.glb --count 8 --out row    eight views, as files",
+        ],
+    ),
+    ("view", &["stereotrace view bunny.obj    a window with a live anaglyph"]),
+    (
+        "dataset",
+        &[
+            "stereotrace dataset room.obj --pairs 200 --layout kitti --size 1242x375 --out data",
+            "stereotrace dataset room.obj --orbit 72 --layout middlebury --out turn",
+        ],
+    ),
+    (
+        "compare",
+        &[
+            "stereotrace compare    every method, on the built-in hall",
+            "stereotrace compare sponza.obj --methods bracket,atomic",
+        ],
+    ),
+    ("info", &["stereotrace info bunny.obj    the file's content, and this machine's adapters"]),
+];
+
+/// Returns the command line, with its short help.
+pub(crate) fn command() -> Command {
+    let short = |arg: Arg| if COMMON.contains(&arg.get_id().as_str()) { arg } else { arg.hide_short_help(true) };
+    let mut whole = Cli::command().mut_args(short);
+    for (name, examples) in EXAMPLES {
+        let examples = format!("Examples:\n  {}", examples.join("\n  "));
+        let short_examples = format!("{examples}\n\nThese are the common options; `--help` has all of them.");
+        whole = whole.mut_subcommand(name, |command| {
+            command.mut_args(short).after_help(short_examples).after_long_help(examples)
+        });
+    }
+    whole
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_help_is_one_screen_and_long_help_has_the_rest() {
+        let mut whole = command();
+        whole.build();
+        let mut seen = Vec::new();
+        for (name, _) in EXAMPLES {
+            let command = whole.find_subcommand_mut(name).unwrap();
+            let (short, long) = (command.render_help().to_string(), command.render_long_help().to_string());
+            // Measured: 42 to 57 lines, 100 columns wide.
+            assert!(short.lines().count() <= 60, "{name}: {}\n{short}", short.lines().count());
+            assert!(short.contains("Examples:") && long.contains("Examples:"), "{name}");
+            assert!(long.contains("--adapter") && !short.contains("--adapter"), "{name}");
+            seen.extend(command.get_arguments().map(|arg| arg.get_id().to_string()));
+        }
+        for id in COMMON {
+            assert!(*id == "help" || seen.iter().any(|seen| seen == id), "no command has {id}");
+        }
+    }
+
+    #[test]
+    fn help_has_the_words_that_people_search_for() {
+        let mut whole = command();
+        whole.build();
+        let help = whole.find_subcommand_mut("render").unwrap().render_long_help().to_string().to_lowercase();
+        let flat = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        for word in [
+            "antialiasing",
+            "convergence",
+            "interpupillary distance, ipd",
+            "baseline",
+            "hdri",
+            "environment map",
+            "ambient occlusion",
+            "soft shadows",
+            "tone mapping",
+            "exposure",
+            "ground truth",
+            "side by side",
+            "image-based lighting",
+            "reflections",
+        ] {
+            assert!(flat.contains(word), "{word}");
+        }
+    }
+}
