@@ -118,12 +118,17 @@ pub mod testing;
 mod truth;
 mod view;
 
-pub use ask::method;
 #[cfg(feature = "png")]
 pub use output::dataset;
-pub use render::{cast, pair};
 pub use truth::metrics;
-pub use view::{camera, rig};
+
+/// Limits of cameras, and cameras by intrinsics or for a display.
+pub mod camera {
+    pub use crate::view::camera::{
+        ComfortRule, Comfortable, Display, HUMAN_INTERAXIAL, Intrinsics, MAX_COORDINATE, MAX_EYE_COORDINATE,
+        MAX_EYE_SHIFT, MAX_SIDE, MAX_WORLD_COORDINATE, MIN_EXTENT, MIN_PIXEL_ANGLE, SCREEN_DISTANCES,
+    };
+}
 
 pub use accel::bvh::BvhBuild;
 pub use ask::method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
@@ -143,7 +148,7 @@ pub use gpu::{Adapter, Gpu};
 #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
 pub use import::input::Limits;
 #[cfg(feature = "scene-files")]
-pub use import::{MissingTextures, ObjOptions, Origin, OutsideFiles, SceneFile, SceneOptions};
+pub use import::{MissingTextures, Origin, OutsideFiles, SceneFile, SceneOptions};
 pub use kernel::traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use methods::auto::Choice;
 pub use render::cast::{Cast, Ray, RayHit};
@@ -162,4 +167,4 @@ pub use truth::ground_truth::{EyeTruth, GroundTruth};
 pub use truth::occlusion::Occlusions;
 pub use truth::surface::Surface;
 pub use view::camera::{CameraPath, Comfort, Convergence, FAR, Pose, StereoCamera};
-pub use view::rig::Rig;
+pub use view::rig::{MAX_VIEWS, Rig};

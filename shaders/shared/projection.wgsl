@@ -2,7 +2,7 @@
 
 //! use boxes, counters, ellipsoid, fetch, frame, jitter, planes, primitive, primitives, tiles, triangle
 
-// A point p relative to the right eye has the column dot(p, column) / z and the row dot(p, row) / z, with z = dot(p,
+// A point p relative to the target's eye has the column dot(p, column) / z and the row dot(p, row) / z, with z = dot(p,
 // forward). The planes face inwards through the outermost pixel centres, moved out by the guard band.
 struct Projection {
     forward: vec3f,

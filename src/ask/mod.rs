@@ -1,6 +1,6 @@
 //! Settings of a caller: methods, options and progress callbacks.
 
-pub mod method;
+pub(crate) mod method;
 pub(crate) mod options;
 pub(crate) mod progress;
 pub(crate) mod samples;

@@ -34,6 +34,6 @@ mod warnings;
 #[cfg(feature = "scene-files")]
 pub use file::SceneFile;
 #[cfg(feature = "scene-files")]
-pub use options::{MissingTextures, ObjOptions, OutsideFiles, SceneOptions};
+pub use options::{MissingTextures, OutsideFiles, SceneOptions};
 #[cfg(feature = "scene-files")]
 pub use origin::Origin;

@@ -49,9 +49,6 @@ pub struct SceneOptions {
     outside_option_name: Option<&'static str>,
 }
 
-/// Another name of the options, for OBJ files.
-pub type ObjOptions = SceneOptions;
-
 impl SceneOptions {
     /// Sets the largest sizes of files and texture pictures. The default is [`Limits::default`].
     pub fn limits(mut self, limits: Limits) -> Self {

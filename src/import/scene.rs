@@ -1,14 +1,14 @@
 //! Readers of scenes, by format.
 
-#[cfg(any(feature = "gltf", feature = "ply"))]
+#[cfg(any(feature = "obj", feature = "gltf", feature = "ply"))]
 use super::SceneOptions;
 #[cfg(feature = "gltf")]
 use super::gltf;
 use super::input::Files;
+#[cfg(feature = "obj")]
+use super::obj;
 #[cfg(feature = "ply")]
 use super::ply;
-#[cfg(feature = "obj")]
-use super::{ObjOptions, obj};
 #[cfg(feature = "obj")]
 use crate::Limits;
 use crate::{Error, Scene};
@@ -33,7 +33,7 @@ impl Scene {
     ///   numbers that don't parse or are not finite, indices out of range, no faces, and unreadable textures.
     #[cfg(feature = "obj")]
     pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
-        Self::from_obj_with(path, &ObjOptions::default())
+        Self::from_obj_with(path, &SceneOptions::default())
     }
 
     /// Does the same as [`Scene::from_obj`], with the given limits.
@@ -42,7 +42,7 @@ impl Scene {
     /// Those of [`Scene::from_obj`].
     #[cfg(feature = "obj")]
     pub fn from_obj_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
-        Self::from_obj_with(path, &ObjOptions::default().limits(*limits))
+        Self::from_obj_with(path, &SceneOptions::default().limits(*limits))
     }
 
     /// Does the same as [`Scene::from_obj`]; `options` set limits, missing textures and missing normals.
@@ -50,7 +50,7 @@ impl Scene {
     /// # Errors
     /// Those of [`Scene::from_obj`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
     #[cfg(feature = "obj")]
-    pub fn from_obj_with(path: impl AsRef<std::path::Path>, options: &ObjOptions) -> Result<Self, Error> {
+    pub fn from_obj_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
         obj::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)
     }
 

@@ -333,7 +333,8 @@ fn binding_of(words: &[&'static str]) -> Option<wgpu::BindingType> {
 
     match words {
         ["var", "<", "uniform", ">", ..] => Some(uniform_type()),
-        ["var", "<", "storage", ",", access, ">", ..] => Some(storage_type(*access == "read")),
+        ["var", "<", "storage", ",", "read", ">", ..] => Some(storage_type(true)),
+        ["var", "<", "storage", ",", "read_write", ">", ..] => Some(storage_type(false)),
         ["var", _, ":", "texture_2d", "<", "u32", ..] => Some(sampled_type()),
         ["var", _, ":", "texture_2d_array", "<", "u32", ..] => Some(sampled_layers_type()),
         ["var", _, ":", "texture_storage_2d", "<", format, ",", access, ..] => {
@@ -343,7 +344,11 @@ fn binding_of(words: &[&'static str]) -> Option<wgpu::BindingType> {
                 "r32float" => Format::R32Float,
                 other => unreachable!("no kernel has a texture of {other}"),
             };
-            let access = if *access == "read" { Access::ReadOnly } else { Access::WriteOnly };
+            let access = match *access {
+                "read" => Access::ReadOnly,
+                "write" => Access::WriteOnly,
+                other => unreachable!("no kernel has a texture with access {other}"),
+            };
             Some(texture_type(format, access))
         }
         _ => None,

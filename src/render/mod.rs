@@ -2,10 +2,10 @@
 
 mod adaptive;
 mod builder;
-pub mod cast;
+pub(crate) mod cast;
 mod encode;
 pub(crate) mod frame;
-pub mod pair;
+pub(crate) mod pair;
 mod renderer;
 mod results;
 mod samples;

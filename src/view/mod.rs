@@ -1,4 +1,4 @@
 //! Cameras and rigs of eyes.
 
-pub mod camera;
-pub mod rig;
+pub(crate) mod camera;
+pub(crate) mod rig;

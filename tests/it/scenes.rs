@@ -12,7 +12,7 @@ use obvhs::{
     ray,
 };
 use stereotrace::{
-    FAR, MISS, Method, ObjOptions, Options, Ray, RayHit, Renderer, Scene, StereoCamera, StereoPair, Triangle,
+    FAR, MISS, Method, Options, Ray, RayHit, Renderer, Scene, SceneOptions, StereoCamera, StereoPair, Triangle,
     UploadedScene,
     blocking::Wait,
     glam::Vec3,
@@ -179,7 +179,7 @@ type IsColor = fn([i32; 3]) -> bool;
 /// 100% of the cow and 99.94% of Sponza.
 fn check_textured(name: &str, colors: &[(&str, IsColor)], least_identical: f64) {
     let Some(folder) = find(name) else { return };
-    let options = ObjOptions::default().crease_angle(Some(30.0));
+    let options = SceneOptions::default().crease_angle(Some(30.0));
     let mut scene = Scene::from_obj_with(folder.join(name).join(format!("{name}.obj")), &options).unwrap();
     let camera = StereoCamera::from_json(folder.join("cameras.json"), name, 200, 150).unwrap();
     scene.place_lights(5, &camera).unwrap();

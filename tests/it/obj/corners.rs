@@ -1,7 +1,7 @@
 //! What the corners of triangles have: texture coordinates, colours, and normals where the file has none.
 
 use stereotrace::{
-    Error, ObjOptions, Scene,
+    Error, Scene, SceneOptions,
     glam::{Vec2, Vec3},
 };
 
@@ -103,7 +103,7 @@ fn vertices_without_a_colour_beside_others_are_white() {
 }
 
 fn smoothed(folder: &Folder, degrees: f32, content: &str) -> Scene {
-    folder.read_with(content, &ObjOptions::default().crease_angle(Some(degrees))).unwrap()
+    folder.read_with(content, &SceneOptions::default().crease_angle(Some(degrees))).unwrap()
 }
 
 fn smooth(scene: &Scene) -> Vec<bool> {
@@ -151,7 +151,7 @@ fn normals_are_made_below_the_crease_angle_and_only_where_they_are_asked_for() {
     assert_eq!(smooth(&scene), [true, true, false, false, true, true, true, true]);
     assert_eq!(scene.triangles()[0].normals, [Vec3::Y; 3]);
     let Error::Scene { element, reason, .. } =
-        folder.read_with(&text, &ObjOptions::default().crease_angle(Some(f32::NAN))).unwrap_err()
+        folder.read_with(&text, &SceneOptions::default().crease_angle(Some(f32::NAN))).unwrap_err()
     else {
         panic!("another error")
     };

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use stereotrace::{Error, Limits, ObjOptions, Scene};
+use stereotrace::{Error, Limits, Scene, SceneOptions};
 
 use super::{Folder, SIX, common::random::Random};
 
@@ -198,7 +198,7 @@ fn more_triangles_than_the_limit_are_refused() {
     let content = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 2 3 4\nf 1 2\n";
     let read = |triangles| {
         let limits = Limits::default().triangles(triangles).triangle_option_name("--max-triangles");
-        folder.read_with(content, &ObjOptions::default().limits(limits))
+        folder.read_with(content, &SceneOptions::default().limits(limits))
     };
     assert_eq!(read(3).unwrap().triangles().len(), 3);
     let message = read(2).unwrap_err().to_string();

@@ -14,7 +14,7 @@ mod warnings;
 
 use std::path::PathBuf;
 
-use stereotrace::{Error, Material, MaterialId, ObjOptions, Scene};
+use stereotrace::{Error, Material, MaterialId, Scene, SceneOptions};
 
 /// A folder of one test, whose OBJ files are read.
 pub(crate) struct Folder(common::folder::Folder);
@@ -36,10 +36,10 @@ impl Folder {
 
     /// Writes `content` to an OBJ file and reads it.
     pub(crate) fn read(&self, content: impl AsRef<[u8]>) -> Result<Scene, Error> {
-        self.read_with(content, &ObjOptions::default())
+        self.read_with(content, &SceneOptions::default())
     }
 
-    pub(crate) fn read_with(&self, content: impl AsRef<[u8]>, options: &ObjOptions) -> Result<Scene, Error> {
+    pub(crate) fn read_with(&self, content: impl AsRef<[u8]>, options: &SceneOptions) -> Result<Scene, Error> {
         self.write("scene.obj", content);
         Scene::from_obj_with(self.file("scene.obj"), options)
     }

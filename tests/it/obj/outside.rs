@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use image::{Rgb, RgbImage};
-use stereotrace::{Error, MissingTextures, ObjOptions, OutsideFiles, Scene};
+use stereotrace::{Error, MissingTextures, OutsideFiles, Scene, SceneOptions};
 
 use super::{SIX, common};
 
@@ -27,8 +27,8 @@ fn outside(name: &str) -> common::folder::Folder {
     folder
 }
 
-fn allow() -> ObjOptions {
-    ObjOptions::default().outside_files(OutsideFiles::Allow)
+fn allow() -> SceneOptions {
+    SceneOptions::default().outside_files(OutsideFiles::Allow)
 }
 
 #[test]
@@ -59,11 +59,11 @@ fn textures_outside_the_scenes_folder_are_refused_unless_the_option_allows_them(
             "to read it, use SceneOptions::outside_files(OutsideFiles::Allow)".into(),
         ];
         assert!(says.iter().all(|text| message.contains(text)), "{message}");
-        let named = ObjOptions::default().outside_option_name("--outside-files allow");
+        let named = SceneOptions::default().outside_option_name("--outside-files allow");
         let message = Scene::from_obj_with(&scene, &named).unwrap_err().to_string();
         assert!(message.ends_with("to read it, use --outside-files allow"), "{message}");
         // As others that can't be read, where that is no error.
-        let warn = ObjOptions::default().missing_textures(MissingTextures::Warn);
+        let warn = SceneOptions::default().missing_textures(MissingTextures::Warn);
         assert_eq!(Scene::from_obj_with(&scene, &warn).unwrap().textures().len(), 0);
         let warned = common::warnings::of(&folder);
         assert!(warned.iter().any(|text| text.contains("outside the scene's folder")), "{warned:?}");

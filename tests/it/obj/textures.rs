@@ -4,7 +4,7 @@ use std::io::Write;
 
 use image::{Rgb, RgbImage, Rgba, RgbaImage};
 use stereotrace::{
-    Error, Limits, MissingTextures, ObjOptions, Scene, Texture, TextureId, TextureKind, Wrap,
+    Error, Limits, MissingTextures, Scene, SceneOptions, Texture, TextureId, TextureKind, Wrap,
     glam::{Vec2, Vec3},
 };
 
@@ -28,8 +28,8 @@ fn pixels(texture: &Texture) -> &[[u8; 4]] {
     }
 }
 
-fn warn() -> ObjOptions {
-    ObjOptions::default().missing_textures(MissingTextures::Warn)
+fn warn() -> SceneOptions {
+    SceneOptions::default().missing_textures(MissingTextures::Warn)
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn all_textures_together_have_a_limit() {
     red(&folder, "sub/a.png");
     red(&folder, "sub/b.png");
     folder.write("sub/m.mtl", "newmtl a\nmap_Kd a.png\nnewmtl b\nmap_Kd b.png\nnewmtl c\nmap_Kd a.png\n");
-    let options = |pixels| ObjOptions::default().limits(Limits::default().texture_pixels(pixels));
+    let options = |pixels| SceneOptions::default().limits(Limits::default().texture_pixels(pixels));
     assert_eq!(folder.read_with(obj(&["a", "b", "c"]), &options(4)).unwrap().textures().len(), 2);
     let message = folder.read_with(obj(&["a", "b", "c"]), &options(3)).unwrap_err().to_string();
     let expected = "m.mtl:4: map_Kd 'b.png' of material 'b': the picture has 2x1 pixels, 2 in all, over the limit of 1";
@@ -196,7 +196,7 @@ fn masks_of_brightness_and_broken_pictures_have_a_limit_with_the_others() {
     let limits = |pixels| Limits::default().texture_pixels(pixels).texture_option_name("--max-textures");
     red(&folder, "sub/a.png");
     let content = twice(&folder, &["a"], "map_d");
-    let read = |pixels| folder.read_with(&content, &ObjOptions::default().limits(limits(pixels)));
+    let read = |pixels| folder.read_with(&content, &SceneOptions::default().limits(limits(pixels)));
     assert_eq!(read(4).unwrap().textures().len(), 1);
     let message = read(3).unwrap_err().to_string();
     let expected = "m.mtl:2: map_d 'a.png' of material 'a1': its copy with brightness as alpha has another 2x1 pixels, \

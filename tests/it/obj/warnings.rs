@@ -1,6 +1,6 @@
 //! What is said of a file that is read, and what is not.
 
-use stereotrace::{ObjOptions, Origin, Scene, glam::Vec3};
+use stereotrace::{Origin, Scene, SceneOptions, glam::Vec3};
 
 use super::{Folder, SIX, common};
 
@@ -94,7 +94,7 @@ fn triangles_lost_to_rounding_are_told_and_counted() {
     for quad in (0..201 * 200).filter(|quad| quad % 201 < 200).map(|quad| quad + 1) {
         text += &format!("f {} {} {} {}\n", quad, quad + 1, quad + 202, quad + 201);
     }
-    let options = ObjOptions::default().origin(Origin::World);
+    let options = SceneOptions::default().origin(Origin::World);
     let scene = folder.read_with(text, &options).unwrap();
     assert_eq!(scene.primitive_count(), 80_000);
     let dropped = scene.degenerate_count();
