@@ -67,8 +67,9 @@
 //! # Waiting
 //!
 //! Operations that wait for the device are async functions. [`blocking::Wait`] waits for them on the calling thread.
-//! Futures are `Send`, except on wasm32. On native targets no other thread drives the device, so polling a future
-//! blocks for some milliseconds at a time. In a browser nothing blocks.
+//! Futures are `Send`, except on wasm32. On native targets no other thread drives the device, so a future
+//! waits for the device in slices of 5 ms. Work on the host, such as building a BVH, is not divided. In a browser
+//! nothing blocks.
 //!
 //! # Features
 //!

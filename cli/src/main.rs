@@ -87,7 +87,7 @@ fn run(cli: &Cli) -> Result<Summary, Box<dyn Error>> {
 
 /// Writes the manual page, followed by one page for each command.
 fn manual(out: &mut impl Write) -> io::Result<()> {
-    let mut whole = arguments::command();
+    let mut whole = arguments::whole_command();
     whole.build();
     clap_mangen::Man::new(whole.clone()).render(out)?;
     for command in whole.get_subcommands().filter(|command| command.get_name() != "help") {

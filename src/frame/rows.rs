@@ -70,7 +70,7 @@ impl ViewRows {
             needed: format!("{} MiB", needed >> 20),
             limit: "memory for whole pictures",
             allowed: format!("{} MiB", MOST_BYTES >> 20),
-            remedy: "render fewer or smaller views at a time, or receive rows as they finish (render_rows)",
+            remedy: "render fewer or smaller views at a time, or receive rows as they finish (FrameBuilder::rows)",
         };
         if needed > MOST_BYTES {
             return Err(refused());

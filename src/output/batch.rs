@@ -201,15 +201,17 @@ fn create_beside(target: &Path) -> io::Result<NamedTempFile> {
     let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     stale::remove_once(folder);
     let prefix = stale::prefix();
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(stale::SUFFIX);
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask, as of other new files
-    builder.tempfile_in(folder).map_err(|error| {
-        // The cause, without the temporary file's name: callers name the target.
-        let cause = error.get_ref().and_then(std::error::Error::source);
-        cause.map_or_else(|| error.kind().into(), |cause| io::Error::new(error.kind(), cause.to_string()))
-    })
+    let mut fault = None;
+    let created = tempfile::Builder::new().prefix(&prefix).suffix(stale::SUFFIX).make_in(folder, |path| {
+        let opened = OpenOptions::new().read(true).write(true).create_new(true).open(path);
+        opened.map_err(|error| {
+            let kind = error.kind();
+            fault = Some(error);
+            kind.into()
+        })
+    });
+    // The system's own error: tempfile's names the temporary file, but callers name the target.
+    created.map_err(|error| fault.unwrap_or(error))
 }
 
 /// Writes the file, syncs it to disk and closes it, since Windows does not rename open files.
@@ -255,7 +257,7 @@ mod tests {
         fs::create_dir(&inner).unwrap();
         assert!(write_whole(&inner, b"x").unwrap_err().to_string().ends_with("inner: it is a folder"));
         let message = write_whole(folder.file("none").join("a.bin"), b"x").unwrap_err().to_string();
-        assert!(message.contains("a.bin: "), "{message}");
+        assert!(message.contains("a.bin: ") && message.ends_with("(os error 2)"), "{message}");
         assert!(write_whole("", b"x").is_err());
         assert_eq!(folder.names(), ["inner"]);
     }

@@ -50,8 +50,9 @@ impl<C: std::fmt::Debug> std::fmt::Debug for FrameBuilder<'_, C> {
 }
 
 impl Renderer {
-    /// Asks for a stereo pair. Toed-in eyes ([`Convergence::ToeIn`](crate::Convergence::ToeIn)) are traced one after
-    /// the other by [`Method::Naive`], whatever the method. A warning says so once per renderer.
+    /// Asks for a stereo pair. [`FrameBuilder::read`] and [`FrameBuilder::trace`] trace toed-in eyes
+    /// ([`Convergence::ToeIn`](crate::Convergence::ToeIn)) one after the other by [`Method::Naive`], whatever the
+    /// method. A warning says so once per renderer. The other methods refuse toed-in eyes.
     pub fn pair<'a>(
         &'a mut self,
         scene: &'a UploadedScene,
@@ -104,7 +105,7 @@ impl<C: Clone + Into<Rig>> FrameBuilder<'_, C> {
     /// ```
     ///
     /// # Errors
-    /// As [`FrameBuilder::read`], and any error of `on_rows`, which ends the frame.
+    /// As [`FrameBuilder::read`], [`Error::Rig`] for toed-in eyes, and any error of `on_rows`, which ends the frame.
     pub async fn rows(self, on_rows: &mut OnRows<'_>) -> Result<Views, Error> {
         let Self { renderer, scene, cameras, options, progress } = self;
         let mut go_on = |_| ControlFlow::Continue(());

@@ -189,7 +189,7 @@ fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), E
             needed: format!("a side of {}", width.max(height)),
             limit: "max_texture_dimension_2d",
             allowed: side.to_string(),
-            remedy: "encode a smaller picture, or receive rows as they finish (render_rows)",
+            remedy: "encode a smaller picture, or receive rows as they finish (FrameBuilder::rows)",
         });
     }
     Ok(())

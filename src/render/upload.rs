@@ -223,7 +223,8 @@ impl Renderer {
     /// Updates an uploaded scene to its current state. Primitives may have moved ([`Scene::transform_object`],
     /// [`Scene::set_mesh`], [`Scene::set_sphere`], [`Scene::set_ellipsoid`], [`Scene::set_plane`]) or been added, and
     /// lighting may have changed. Device memory is reused if it is large enough. The picture equals that of a new
-    /// upload. After an update fails for lack of memory, the scene must be uploaded anew.
+    /// upload. After an update fails for lack of memory, or its future is dropped before the
+    /// end, the scene must be uploaded again.
     ///
     /// # Errors
     /// Those of [`Renderer::upload`]; [`Error::ForeignScene`] if the scene is on another [`Gpu`];

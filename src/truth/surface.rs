@@ -91,7 +91,8 @@ fn of_triangle(triangle: &Triangle, origin: DVec3, direction: DVec3) -> Surface 
     let sign = volumes.iter().sum::<f64>().signum();
     let shares = volumes.map(|volume| (sign * volume).max(0.0));
     let sum: f64 = shares.iter().sum();
-    let weights = shares.map(|share| share / sum);
+    // A ray in the triangle's plane has no weights of its own.
+    let weights = if sum > 0.0 { shares.map(|share| share / sum) } else { [1.0 / 3.0; 3] };
     let flat = Surface {
         barycentric: Some(weights.map(|weight| weight as f32)),
         ..flat(normal, direction, triangle.material)

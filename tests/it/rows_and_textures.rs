@@ -204,5 +204,5 @@ fn what_cannot_be_encoded_is_refused_by_name() {
     assert!(refused(small, naive.clone().cost_map(true)).starts_with("a cost map can't be"));
     let side = gpu.device().limits().max_texture_dimension_2d;
     let message = refused(camera().size(8, side + 1), naive);
-    assert!(message.contains("max_texture_dimension_2d") && message.contains("render_rows"), "{message}");
+    assert!(message.contains("max_texture_dimension_2d") && message.contains("FrameBuilder::rows"), "{message}");
 }

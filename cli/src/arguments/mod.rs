@@ -13,7 +13,7 @@ pub(crate) use self::{
     light::LightArguments,
     picture::PictureArguments,
     reading::ReadingArguments,
-    short_help::command,
+    short_help::{command, whole_command},
     subject::{Stage, Subject, depths},
     values::{above_zero, frames, size},
 };

@@ -37,7 +37,7 @@ const EXAMPLES: [(&str, &[&str]); 7] = [
             "stereotrace render                              the built-in hall, into out/",
             "stereotrace render bunny.obj --out bunny.png    an anaglyph of your model",
             "stereotrace render room.glb --camera Desk --samples 16 --packing side-by-side --out room.jpg",
-            "stereotrace render room.obj --sky studio.hdr --sky-light 16 --occlusion 16 --out room.png",
+            "stereotrace render room.obj --sky studio.hdr --sky-light 16 --out room.png",
         ],
     ),
     (
@@ -51,7 +51,7 @@ const EXAMPLES: [(&str, &[&str]); 7] = [
         "views",
         &[
             "stereotrace views --quilt 9x5 --size 512x512 --interaxial-px 2",
-            "stereotrace views room.glb --count 8 --out row    eight views, as files",
+            "stereotrace views room.glb --views 8 --out row    eight views, as files",
         ],
     ),
     ("view", &["stereotrace view bunny.obj    a window with a live anaglyph"]),
@@ -75,6 +75,15 @@ const EXAMPLES: [(&str, &[&str]); 7] = [
 /// Returns the command line, with its short help.
 pub(crate) fn command() -> Command {
     let short = |arg: Arg| if COMMON.contains(&arg.get_id().as_str()) { arg } else { arg.hide_short_help(true) };
+    with_examples(short)
+}
+
+/// Returns the command line for the manual, which has every option.
+pub(crate) fn whole_command() -> Command {
+    with_examples(|arg| arg)
+}
+
+fn with_examples(short: impl Fn(Arg) -> Arg + Copy) -> Command {
     let mut whole = Cli::command().mut_args(short);
     for (name, examples) in EXAMPLES {
         let examples = format!("Examples:\n  {}", examples.join("\n  "));
@@ -106,6 +115,33 @@ mod tests {
         }
         for id in COMMON {
             assert!(*id == "help" || seen.iter().any(|seen| seen == id), "no command has {id}");
+        }
+    }
+
+    #[test]
+    fn examples_are_command_lines() {
+        let lines = EXAMPLES.iter().flat_map(|(_, lines)| *lines);
+        let lines = lines.copied().chain(super::super::AFTER.lines().map(str::trim));
+        let mut count = 0;
+        for line in lines.filter(|line| line.starts_with("stereotrace ")) {
+            // A remark follows several spaces.
+            let line = line.split("    ").next().unwrap();
+            let words = line.split(" cost and").next().unwrap().split_whitespace();
+            if let Err(error) = command().try_get_matches_from(words) {
+                panic!("{line}: {error}");
+            }
+            count += 1;
+        }
+        assert!(count > 20, "{count}");
+    }
+
+    #[test]
+    fn the_manual_describes_every_option() {
+        let mut page = Vec::new();
+        crate::manual(&mut page).unwrap();
+        let page = String::from_utf8(page).unwrap();
+        for text in ["Filter that weights the samples", "Graphics adapter", "Exposure in stops"] {
+            assert!(page.contains(text), "{text}");
         }
     }
 
