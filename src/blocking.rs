@@ -1,5 +1,5 @@
-//! Waiting on the calling thread. The feature `blocking` enables it, except on wasm32, where blocking stops the browser
-//! from finishing the work.
+//! Waits for operations on the calling thread. The feature `blocking` enables this module, except on wasm32, where
+//! blocking stops the browser from finishing the work.
 
 use crate::{Error, Gpu, Renderer, Scene, StereoCamera, StereoPair};
 
@@ -28,7 +28,7 @@ pub trait Wait: IntoFuture + Sized {
 impl<F: IntoFuture> Wait for F {}
 
 /// Opens a device, uploads the scene and renders a stereo pair by [`Method::Auto`](crate::Method::Auto). For more than
-/// one picture, keep a [`Renderer`]. It blocks the calling thread.
+/// one picture, keep a [`Renderer`]. This function blocks the calling thread.
 ///
 /// # Errors
 /// As [`Gpu::new`], [`Renderer::upload`] and [`FrameBuilder::read`](crate::FrameBuilder::read).

@@ -7,18 +7,18 @@ use std::{
 
 use crate::message::{counted, escaped, tidy};
 
-/// The remedy if no adapter is found; browsers have their own adapters.
+/// Remedy if no adapter is found. Browsers provide their own adapters.
 const ADAPTER_REMEDY: &str = if cfg!(target_arch = "wasm32") {
     ""
 } else {
     ". On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
 };
 
-/// Any error of the library. A message names the object, the value and, where there is one, the remedy. Text quoted
-/// from files has control characters escaped and words over 80 characters cut; the fields hold the full text.
+/// Any error of the library. A message names the object, the value and, if known, the remedy. Text quoted from files
+/// has control characters escaped and words over 80 characters cut; the fields hold the full text.
 ///
 /// A message already includes the text of its [`source`](std::error::Error::source): print the message, not the chain.
-/// Sources serve to find out their kind. (Sources of device errors are text, since they can't cross threads in a
+/// Programs can inspect the type of a source. (Sources of device errors are text, since they can't cross threads in a
 /// browser.)
 #[derive(thiserror::Error)]
 #[non_exhaustive]
@@ -38,7 +38,7 @@ pub enum Error {
     /// The device has no memory left for this picture or scene.
     #[error("the graphics device is out of memory: {0}; use a smaller picture or scene")]
     OutOfMemory(String),
-    /// The driver refused a request of this library: a defect of either.
+    /// The driver refused a request of this library, because of a defect in the driver or the library.
     #[error("the graphics driver refused a request: {0}")]
     Gpu(String),
     /// The scene was uploaded by another device.
@@ -185,7 +185,7 @@ pub enum Error {
 
 type Source = Box<dyn std::error::Error + Send + Sync>;
 
-/// Returns a path for messages, uncut, so that it can be found.
+/// Returns a path for messages without shortening it, so that users can find the file.
 fn shown(path: &Path) -> String {
     escaped(&path.to_string_lossy())
 }
@@ -208,7 +208,7 @@ impl Error {
         Self::Parse { path: path.into(), line, reason: reason.into(), source: None }
     }
 
-    /// [`Error::Parse`] with the error that it results from.
+    /// Returns [`Error::Parse`] with the error that caused it.
     #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
     pub(crate) fn parse_from(
         path: impl Into<PathBuf>,
@@ -239,12 +239,12 @@ impl Error {
         }
     }
 
-    /// [`Error::Io`] for content that can't be written to a file.
+    /// Returns [`Error::Io`] for content that can't be written to a file.
     pub(crate) fn unwritable(path: impl Into<PathBuf>, reason: impl Into<Source>) -> Self {
         Self::io(path, std::io::Error::new(std::io::ErrorKind::InvalidInput, reason))
     }
 
-    /// The error if a driver ended a kernel's loops before their work was done.
+    /// Returns the error for a driver that ended a kernel's loops before their work was done.
     pub(crate) fn cut_short(threads: u64) -> Self {
         Self::Limit {
             what: format!("tracing by {}", counted(threads, "thread", "threads")),

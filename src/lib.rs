@@ -75,7 +75,7 @@
 //!
 //! On by default; the core needs none of them:
 //! - `native`: wgpu's backends Vulkan, Metal, DirectX 12 and OpenGL, where the system has them;
-//! - `blocking`: the blocking forms; not on wasm32, where blocking stops the browser from finishing the work;
+//! - `blocking`: blocking functions, except on wasm32, where blocking stops the browser from finishing the work;
 //! - `obj` (read OBJ and MTL), `gltf` (read glTF 2.0), `ply` (read PLY), `png` (write PNG), `jpeg` (write JPEG, JPS and
 //!   MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read and
 //!   write cameras). They build on wasm32 too, but functions that take a path return [`Error::Io`] there.

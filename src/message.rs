@@ -1,13 +1,14 @@
-//! Tidies text from files for messages, here and in programs that use this library: a name in a file must neither
+//! Tidies text from files for messages of the library and of programs that use it. A name in a file must neither
 //! control a terminal nor fill it.
 
 use std::fmt::Display;
 
-/// Longest word; longer ones are cut in the middle, so that the quotation mark and colon at a name's end stay.
+/// Maximum length of a word. Longer words are cut in the middle, so that the quotation mark and colon at a name's end
+/// stay.
 const LONGEST_WORD: usize = 80;
-/// Characters of a cut word behind the cut.
+/// Number of characters of a cut word behind the cut.
 const WORD_END: usize = 8;
-/// Longest text; longer ones are cut at their end. Lists of known names may be long.
+/// Maximum length of a text. Longer texts, such as lists of known names, are cut at their end.
 const LONGEST_TEXT: usize = 2000;
 
 /// Tidies a text that may quote a file: escapes control characters and cuts long words and very long texts.

@@ -1,6 +1,7 @@
-//! Random numbers for scenes and tests. They use integer arithmetic only, so they are the same on every machine.
+//! Makes random numbers for scenes and tests. The generator uses integer arithmetic only, so its numbers are the same
+//! on every machine.
 //!
-//! Integration tests and benches take the same generator from `testing`.
+//! Integration tests and benches use this generator through the module `testing`.
 
 /// Hashes one word by PCG (O'Neill 2014), as in Jarzynski and Olano 2020.
 pub fn pcg(input: u32) -> u32 {
@@ -9,7 +10,7 @@ pub fn pcg(input: u32) -> u32 {
     (word >> 22) ^ word
 }
 
-/// A random sequence: the hashes of successive words. It repeats after 2³² numbers.
+/// Random sequence of the hashes of successive words. The sequence repeats after 2³² numbers.
 #[derive(Clone, Debug)]
 pub struct Random(pub u32);
 

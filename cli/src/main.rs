@@ -1,8 +1,8 @@
-//! The command `stereotrace`: stereo pairs, films, quilts and ground truth for stereo vision from scene files.
+//! The command `stereotrace` renders stereo pairs, films, quilts and ground truth for stereo vision from scene files.
 //!
 //! `arguments` reads the command line. `commands` has one file for each command, which begins with its arguments.
 //! `arguments::Subject` gives scene, camera and options; `target` writes the pictures. `view` is the window, in builds
-//! with that feature.
+//! with the feature `view`.
 
 #![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
 
@@ -96,7 +96,7 @@ fn manual(out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Returns the fault of a command line and clap's tips. Other paragraphs of the message, about usage, are left out.
+/// Returns the error of a command line and clap's tips, without the message's paragraphs about usage.
 fn usage_fault(error: &clap::Error) -> String {
     let text = error.to_string();
     let mut paragraphs = text.split("\n\n");
@@ -120,7 +120,7 @@ fn shown(path: &Path) -> String {
     message::escaped(&path.to_string_lossy())
 }
 
-/// Prints log records in the form of errors: `warning: …`.
+/// Prints log records in the format of errors: `warning: …`.
 fn log_to_stderr() {
     let filter = env_logger::Env::default().default_filter_or("error,stereotrace=warn");
     let mut builder = env_logger::Builder::from_env(filter);
@@ -134,8 +134,8 @@ fn log_to_stderr() {
     builder.init();
 }
 
-/// Suppresses Mesa's line `error: XDG_RUNTIME_DIR is invalid or not set in the environment.`, which it prints outside
-/// a user's session and which means nothing here. The variable that suppresses it must be set before the program
+/// Suppresses Mesa's line `error: XDG_RUNTIME_DIR is invalid or not set in the environment.`, which Mesa prints outside
+/// a user's session and which does not affect rendering. The variable that suppresses it must be set before the program
 /// starts, so the program starts itself again.
 #[cfg(target_os = "linux")]
 fn keep_mesa_quiet() {
@@ -146,7 +146,7 @@ fn keep_mesa_quiet() {
         return;
     }
     if let Ok(program) = env::current_exe() {
-        // `exec` returns only if it fails. Then Mesa's line does no harm.
+        // `exec` returns only if it fails. Then the program continues, and Mesa prints its line.
         let _ = process::Command::new(program).args(env::args_os().skip(1)).env("NODEVICE_SELECT", "1").exec();
     }
 }

@@ -1,4 +1,4 @@
-//! `view` in builds without the feature `view`: an error that says how to build it.
+//! Replaces `view` in builds without the feature `view` by an error that says how to build it.
 
 use std::{error::Error, ffi::OsString};
 

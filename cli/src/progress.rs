@@ -1,4 +1,4 @@
-//! Progress: a bar with the remaining time on a terminal, and plain lines now and then elsewhere.
+//! Shows progress, as a bar with the remaining time on a terminal, else as plain lines at intervals.
 
 use std::{
     io::{self, IsTerminal, Write},
@@ -14,9 +14,9 @@ use crate::arguments::Global;
 const PATIENCE: Duration = Duration::from_millis(500);
 /// Interval between plain lines.
 const INTERVAL: Duration = Duration::from_secs(10);
-/// Share of the work from which the remaining time is told: kernels are compiled before it.
+/// Share of finished work from which the remaining time is shown, since compiling kernels distorts earlier estimates.
 const TELLING: f64 = 0.05;
-/// Steps of the bar.
+/// Number of steps of the bar.
 const STEPS: u64 = 10_000;
 
 pub(crate) struct Progress {
@@ -25,12 +25,12 @@ pub(crate) struct Progress {
     plain: bool,
     begin: Instant,
     last: Instant,
-    /// Number of all pictures, and of finished ones.
+    /// Total number of pictures, and number of finished pictures.
     pictures: (u32, u32),
 }
 
 impl Progress {
-    /// Begins the progress of this many pictures.
+    /// Begins the progress display for `pictures` pictures.
     pub(crate) fn new(global: &Global, pictures: u32) -> Self {
         let on_terminal = io::stderr().is_terminal();
         let begin = Instant::now();
@@ -48,7 +48,7 @@ impl Progress {
         self
     }
 
-    /// Shows progress within a picture. It never stops the work.
+    /// Shows progress within a picture. The returned value never stops rendering.
     pub(crate) fn show(&mut self, progress: stereotrace::Progress) -> ControlFlow<()> {
         let (all, done) = self.pictures;
         let share = (f64::from(done) + f64::from(progress.done)) / f64::from(all.max(1));

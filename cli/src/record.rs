@@ -1,4 +1,4 @@
-//! Records of what files were made with, so that other settings do not mix with them.
+//! Records the settings and inputs of output files, so that a folder does not mix files of different settings.
 
 use std::{error::Error, fmt::Debug, fs};
 

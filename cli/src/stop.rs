@@ -1,4 +1,4 @@
-//! A clean stop between two pictures, on SIGINT or SIGTERM.
+//! Stops the program cleanly between two pictures on SIGINT or SIGTERM.
 
 use std::{
     error::Error,
@@ -42,7 +42,7 @@ impl Stop {
 pub(crate) struct Interrupted {
     pub(crate) done: usize,
     pub(crate) of: usize,
-    /// Whether the same command can make the rest.
+    /// Whether the same command can render the remaining pictures.
     pub(crate) can_go_on: bool,
 }
 

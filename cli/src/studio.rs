@@ -1,5 +1,5 @@
-//! The automatic look of a scene file: seen from a corner, in soft light, before a plain backdrop. `--plain` disables
-//! it, and options replace its parts.
+//! Sets the automatic look of a scene file: a view from a corner, soft light and a plain backdrop. `--plain` disables
+//! the automatic look, and options replace its settings.
 
 use stereotrace::{
     Light, Pose, Scene, Sky, StereoCamera,
@@ -8,16 +8,16 @@ use stereotrace::{
 
 /// Direction from the object to the eyes: right, up and towards the front.
 const CORNER: Vec3 = Vec3::new(0.62, 0.42, 0.8);
-/// Direction from the object to the light, in the frame of the eyes: right, up and towards them.
+/// Direction from the object to the light, in the frame of the eyes: right, up and towards the eyes.
 const KEY: Vec3 = Vec3::new(-0.55, 0.8, 0.6);
 /// Radius of the light, as a share of its distance from the object.
 const KEY_RADIUS: f32 = 0.2;
 const KEY_INTENSITY: Vec3 = Vec3::new(0.78, 0.75, 0.7);
-/// Ambient light.
+/// Linear red, green and blue of the ambient light.
 const FILL: Vec3 = Vec3::new(0.36, 0.38, 0.41);
 /// Default radius of ambient occlusion, as a share of the object's diagonal.
 pub(crate) const REACH: f32 = 0.3;
-/// Samples a pixel, and shadow rays a sample. Both are few, since their numbers multiply.
+/// Number of samples per pixel, and of shadow rays per sample. Both numbers are small, since they multiply.
 pub(crate) const SAMPLES: u32 = 4;
 pub(crate) const RAYS: u32 = 4;
 

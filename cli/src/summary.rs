@@ -1,4 +1,4 @@
-//! The summary that a command prints at the end.
+//! Prints the summary at the end of a command.
 
 use std::{
     error::Error,
@@ -12,11 +12,11 @@ use crate::arguments::Global;
 /// Result of a command, as text and as JSON.
 #[derive(Default)]
 pub(crate) struct Summary {
-    /// Whole lines.
+    /// Text of complete lines.
     pub(crate) text: String,
-    /// One object, or null if there is no result.
+    /// JSON object, or null if there is no result.
     pub(crate) json: Value,
-    /// Whether to print to standard error, since standard output carries pictures.
+    /// Whether to print to standard error, because standard output carries pictures.
     pub(crate) to_stderr: bool,
 }
 
@@ -32,7 +32,7 @@ impl Summary {
             false => io::stdout().write_all(text.as_bytes()),
         };
         match written {
-            // A reader of the first lines only, such as `head`, closes the pipe. That is no fault.
+            // A program that reads only the first lines, such as `head`, closes the pipe. This is not an error.
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(format!("standard output: {error}").into()),
             _ => Ok(()),
         }

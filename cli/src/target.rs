@@ -1,4 +1,4 @@
-//! Output: files and folders, and how both eyes become one picture.
+//! Writes output files and folders, and combines both eyes into one picture.
 
 use std::{
     error::Error,
@@ -14,12 +14,13 @@ use stereotrace::{
 
 use crate::shown;
 
-/// Endings of picture files that can be written.
+/// File name extensions of pictures that can be written.
 const WRITTEN: [&str; 6] = ["png", "jpg", "jpeg", "jps", "mpo", "exr"];
-/// Endings of picture files that can't be written. They are refused rather than taken as names of folders.
+/// File name extensions of pictures that can't be written. They are refused, since they would otherwise become names of
+/// folders.
 const NOT_WRITTEN: [&str; 8] = ["avif", "bmp", "gif", "hdr", "tga", "tif", "tiff", "webp"];
 
-/// How both eyes become one picture.
+/// Options that combine both eyes into one picture.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Both eyes in one picture")]
 pub(crate) struct EyesArguments {
@@ -55,7 +56,7 @@ impl EyesArguments {
     }
 }
 
-/// Where output goes.
+/// Destination of output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
     /// Several files in a folder.
@@ -65,11 +66,11 @@ pub(crate) enum Target {
 }
 
 impl Target {
-    /// Takes a name with a picture's ending as a file, unless a folder of that name exists. All other names are
-    /// folders, which are made.
+    /// Interprets a name with a picture's extension as a file, unless a folder of that name exists. All other names are
+    /// folders, which are created.
     ///
     /// # Errors
-    /// If a picture can't be written there, or not by that ending.
+    /// Fails if a picture can't be written there, or not in the format of that extension.
     pub(crate) fn of(path: &Path) -> Result<Self, Box<dyn Error>> {
         let ending = ending(path);
         if !path.is_dir() && WRITTEN.contains(&&*ending) {
@@ -89,14 +90,14 @@ impl Target {
     }
 }
 
-/// Makes a file in the folder and removes it, so that an unwritable target fails before rendering.
+/// Creates a file in the folder and removes it, so that an unwritable target fails before rendering.
 fn check_writable(folder: &Path, target: &Path) -> Result<(), String> {
     let probe = folder.join(format!(".stereotrace-{}", std::process::id()));
     let written = fs::File::create(&probe).and_then(|_| fs::remove_file(&probe));
     written.map_err(|error| format!("{}: can't write there: {error}", shown(target)))
 }
 
-/// Makes the output folder.
+/// Creates the output folder.
 fn make_folder(path: &Path) -> Result<(), String> {
     let fault = |error: io::Error| match path.exists() {
         true => format!("{}: it is not a folder; --out takes a folder, or a picture's name like pair.png", shown(path)),
@@ -105,7 +106,7 @@ fn make_folder(path: &Path) -> Result<(), String> {
     fs::create_dir_all(path).map_err(fault)
 }
 
-/// Returns a file name's ending in lower case.
+/// Returns a file name's extension in lower case.
 fn ending(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
@@ -115,7 +116,7 @@ pub(crate) fn is_open_exr(path: &Path) -> bool {
     ending(path) == "exr"
 }
 
-/// Adds a PNG or JPEG file of a picture to the batch, by the ending of its name.
+/// Adds a picture to the batch as a PNG or JPEG file, by the extension of its name.
 pub(crate) fn add_picture(
     batch: &mut Batch,
     path: &Path,
@@ -129,7 +130,7 @@ pub(crate) fn add_picture(
     }
 }
 
-/// Adds a file of both eyes to the batch, by the ending of its name.
+/// Adds a file of both eyes to the batch, in the format of its name's extension.
 pub(crate) fn add_pair(
     batch: &mut Batch,
     path: &Path,

@@ -1,7 +1,7 @@
-// Pass 2 of 3 of `bracket`: the bound of each tile of the target view, by atomic maximum (docs/BRACKET.md, "The tile
-// bound"). A target ray may pass between two neighbouring samples. So each sample's depth counts from one pixel before
-// the previous sample's landing to one pixel behind its own. In a gap between them the larger of the two depths counts.
-// Samples that hit nothing land too: their tiles have no bound.
+// Pass 2 of 3 of `bracket`: computes the depth bound of each tile of the target view by atomic maximum
+// (docs/BRACKET.md, "The tile bound"). A target ray may pass between two neighbouring samples. So a sample's depth
+// counts from one pixel before the previous sample's landing position to one pixel behind its own. In a gap between the
+// two, the larger depth counts. Samples that hit nothing land too, and their tiles have no bound.
 //
 // launch  one thread per run of TILE pixels of a row of the source, in the order of a sweep
 // reads   source    [height * width]
@@ -15,7 +15,7 @@ var<storage, read_write> bounds: array<atomic<u32>>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 const NO_TILE: u32 = 0xffffffffu;
-// Landing of a sample that was left out. No gap opens behind it.
+// Landing position of a sample that was left out. No gap opens behind it.
 const NOWHERE: f32 = 3.0e38;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
@@ -72,8 +72,8 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
     if unseen > 0u { atomicAdd(&counters[row * COUNTERS + GAP_PIXELS], unseen); }
 }
 
-// Returns where a sample lands, counted from the begin of the sweep. It is clamped, since near z = 0 it does not fit an
-// integer.
+// Returns the landing position of a sample, counted from the begin of the sweep. The position is clamped, since near z
+// = 0 it does not fit an integer.
 fn landed_at(column: u32, depth: f32) -> f32 {
     let width = f32(frame.band.size.x);
     let x = clamp(landing_x(column, depth), -2.0, width + 2.0);

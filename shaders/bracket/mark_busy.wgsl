@@ -1,10 +1,11 @@
-// Pass 2 of 3 of `bracket` where shadow bits are reused, second part: marks busy lights (docs/BRACKET.md). Their
-// shadows are so narrow somewhere that the two samples beside a point do not tell what lies between them.
+// Pass 2 of 3 of `bracket` where shadow bits are reused, second part: marks busy lights (docs/BRACKET.md). A light is
+// busy where its shadows are so narrow that the two samples beside a point do not determine the visibility between
+// them.
 //
-// A sample is busy for a light if its bit differs from samples on both sides of it in its row. It lies in a shadow, or
-// in a strip of light, about as narrow as the distance between samples. Samples of other rows may miss that strip. So
-// tiles around the sample's landing place reuse no bit of that light, if the sample is on a flat surface. Samples on
-// other surfaces lie in narrow shadows of their own.
+// A sample is busy for a light if its bit differs from samples on both sides of it in its row. Such a sample lies in a
+// shadow, or in a strip of light, about as narrow as the distance between samples. Samples of other rows may miss that
+// strip. So if the sample is on a flat surface, tiles around its landing position reuse no bit of that light. Samples
+// on other surfaces lie in narrow shadows of their own.
 //
 // launch  one thread per run of BUSY_RUN pixels of a row of the source
 // reads   source_samples  texture
@@ -14,8 +15,9 @@
 
 var<storage, read_write> bounds: array<atomic<u32>>;
 
-// How far the tiles reach on either side, in pixels. The first is for a shadowed sample whose surface is flat for two
-// samples on both sides. The second is for any busy sample whose surface is flat for one.
+// Distances on either side within which tiles are marked, in pixels. REACH_OF_SHADOW is for a shadowed sample whose
+// surface is flat for two samples on both sides. REACH_OF_LIGHT is for any busy sample whose surface is flat for one
+// sample on both sides.
 const REACH_OF_SHADOW: f32 = 32.0;
 const REACH_OF_LIGHT: f32 = 12.0;
 // A surface is flat if a sample deviates from the line between its neighbours by less than this share of their
@@ -28,7 +30,7 @@ fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
     let begin = id.x * BUSY_RUN;
     if begin >= frame.band.size.x || row >= frame.band.row_end { return; }
     let end = min(begin + BUSY_RUN, frame.band.size.x);
-    // One bit for each column whose sample is busy for some light. Few are.
+    // One bit for each column whose sample is busy for some light. Few samples are busy.
     var busy_columns = 0u;
     var samples = samples_around(row, begin);
     var column = begin;
@@ -65,7 +67,7 @@ fn samples_around(row: u32, column: u32) -> Samples {
     );
 }
 
-// The lights that a sample is busy for, and the subset whose shadow it lies in.
+// The lights that a sample is busy for, and the subset whose shadow contains the sample.
 struct Busy {
     all: u32,
     dark: u32,
@@ -92,7 +94,7 @@ fn mark(row: u32, column: u32) {
     }
 }
 
-// Returns the sample `offset` columns away. Outside the picture it is one without known bits.
+// Returns the sample `offset` columns away. Outside the picture the sample has no known bits.
 fn sample_in_row(row: u32, column: u32, offset: i32) -> SourceSample {
     let place = i32(column) + offset;
     let inside = (place >= 0) & (place < i32(frame.band.size.x));
@@ -107,8 +109,8 @@ fn unlike(a: SourceSample, b: SourceSample) -> u32 {
     return select(0u, asked & (a.bits ^ b.bits), a.component == b.component);
 }
 
-// Returns whether three samples, `apart` pixels from one to the next, show a flat surface. The reciprocals of its
-// depths lie on a line.
+// Returns whether three samples, `apart` pixels from one to the next, show a flat surface. On a flat surface the
+// reciprocals of the depths lie on a line.
 fn is_flat(a: SourceSample, b: SourceSample, c: SourceSample, apart: f32) -> bool {
     let off = abs(b.depth / a.depth + b.depth / c.depth - 2.0);
     return a.component == b.component && c.component == b.component && off < FLAT * apart * column_step();

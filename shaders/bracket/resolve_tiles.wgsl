@@ -74,7 +74,7 @@ fn nearest_listed(rays: Rays, first: u32, count: u32, pixels: Pixels) -> Hits {
             if place >= count { break; }
             let entry = lists.entries[first + place];
             var waiting = false;
-            // The four rays of a block want nearly all of its list.
+            // The four rays of a block need nearly all primitives of its list.
             if RAYS > 1u || any_ray((U(entry) & bits) != U(0u)) {
                 if COUNT { primitives_tested += 1u; }
                 let slot = entry & FIRST_SLOT;

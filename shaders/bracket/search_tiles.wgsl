@@ -14,14 +14,14 @@ var<storage, read> bounds: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> lists: Lists;
 
-// A tile that tests more boxes and primitives than this is given up and traced, which is cheaper then: its lists would
-// overflow anyhow. This also keeps a thread far below the rounds after which a software adapter ends loops.
+// Maximum number of boxes and primitives that a tile tests. A tile that needs more is traced, which is cheaper: its
+// lists would overflow anyhow. This also keeps a thread far below the rounds after which a software adapter ends loops.
 const MOST_STEPS: u32 = 1024u;
 
-// Boxes and primitives tested.
+// Number of boxes and primitives tested.
 var<private> steps: u32;
 
-// Primitives listed so far.
+// Number of primitives listed so far, for each block.
 var<private> listed: array<u32, TILE_BLOCKS>;
 
 var<private> covering: array<Covering, KEPT + 1u>;
@@ -62,7 +62,7 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
     let covered = covered_pixels(primitive, projection, tile);
     let blocks = covered_blocks(covered) & blocks_within_edges(primitive, tile);
     let sides = vec4u(covered) << vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
-    // Written whether kept or not: entries behind the end do not count.
+    // The entry is written even if the primitive is not kept: entries behind the end do not count.
     covering[kept] = Covering(slot, blocks | (sides.x | sides.y) | (sides.z | sides.w));
     kept += select(0u, 1u, blocks != 0u);
 }

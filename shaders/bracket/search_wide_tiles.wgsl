@@ -1,6 +1,6 @@
-// Like search_tiles.wgsl, for several samples a pixel: one query for 16x16 samples, which are four tiles. Neighbouring
-// samples mostly see the same primitives. Each primitive is projected once and then narrowed to the blocks of each tile
-// that it may cover.
+// Searches the BVH like search_tiles.wgsl, for several samples a pixel: one query serves 16x16 samples, which are four
+// tiles. Neighbouring samples mostly see the same primitives. Each primitive is projected once and then narrowed to the
+// blocks of each tile that it may cover.
 //
 // launch  one thread per four tiles
 // reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the lights that are busy
@@ -16,14 +16,14 @@ var<storage, read_write> lists: Lists;
 
 const QUADRANTS: u32 = 4u;
 
-// Four tiles that take more steps than this together are given up. A listed block counts as an eighth of a step, since
-// it takes a round.
+// Maximum number of steps of four tiles together; if they need more, they are traced. A listed block counts as an
+// eighth of a step, since it takes a round.
 const MOST_STEPS: u32 = 4096u;
 
-// Boxes and primitives tested.
+// Number of boxes and primitives tested.
 var<private> steps: u32;
 
-// Primitives listed so far, for the blocks of each tile in turn.
+// Number of primitives listed so far, for the blocks of each tile in turn.
 var<private> listed: array<u32, TILE_BLOCKS * QUADRANTS>;
 
 // Primitives that may cover a sample of a tile, with the tile's number above the slot. Their blocks are found later.
@@ -57,12 +57,12 @@ fn corner_of(quadrant: u32) -> vec2u {
     return vec2u(quadrant & 1u, quadrant >> 1u) * TILE;
 }
 
-// Returns where a tile's results begin, given where those of the first tile do.
+// Returns the index at which a tile's results begin, given the index for the first tile.
 fn found_in_quadrant(first: u32, quadrant: u32) -> u32 {
     return first + ((quadrant & 1u) + (quadrant >> 1u) * tiles_across()) * TILE_WORDS;
 }
 
-// Returns the largest of the four bounds. All four tiles are searched to it.
+// Returns the largest of the four bounds. All four tiles are searched up to this depth.
 fn deepest_bound(corner: vec2u) -> f32 {
     var deepest = 0.0;
     var quadrant = 0u;
@@ -93,8 +93,8 @@ fn hand_on(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool)
     append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
 }
 
-// Returns the first and last column and row of samples, from the corner, that a projection with these bounds may cover.
-// If a first exceeds its last, there is none.
+// Returns the range of samples that a projection with these bounds may cover: first column, first row, last column,
+// last row. Coordinates count from the corner. If a first value exceeds its last one, the range is empty.
 fn covered_samples(projected: vec4f, tile: Tile) -> vec4i {
     let margin = guard_band();
     let corner = vec2f(tile.corner) + 0.5;
@@ -115,7 +115,7 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
         let last = min(covered.zw - begin, vec2i(i32(TILE) - 1));
         let shifts = vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
         let sides = vec4u(vec4i(first, last)) << shifts;
-        // Written whether kept or not: entries behind the end do not count.
+        // The entry is written even if the primitive is not kept: entries behind the end do not count.
         covering[kept] = Covering(slot | (quadrant << FIRST_PIXEL_BIT), (sides.x | sides.y) | (sides.z | sides.w));
         kept += select(0u, 1u, all(first <= last));
         quadrant += 1u;
@@ -123,8 +123,8 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
     }
 }
 
-// Reduces the kept primitives to those that may cover a block, and stores these blocks. (The tests themselves have been
-// counted.)
+// Reduces the kept primitives to those that may cover a block, and stores these blocks. keep_primitive has counted the
+// tests.
 fn narrow_kept() {
     var narrowed = 0u;
     var index = 0u;

@@ -1,5 +1,5 @@
-// Pass 3 of 3 of `bracket`: shades tiles without any primitive. They are kept apart from the others, which cost far
-// more.
+// Pass 3 of 3 of `bracket`: shades tiles without any primitive. These tiles have their own list, since other tiles cost
+// far more.
 //
 // launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
 // reads   lists        SKY

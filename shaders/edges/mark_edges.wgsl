@@ -1,5 +1,5 @@
 // Verification `edges` (thesis, 6.2): marks target pixels as BAD if their sample lies at an edge in the source view.
-// resolve_right lists them; all others are trusted.
+// resolve_right lists the marked pixels; all others are trusted.
 //
 // launch  one thread per pixel of the target in the rows at work
 // reads   source  [height * width]
@@ -28,7 +28,7 @@ fn mark_edges(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-// Nothing differs beyond the picture's edge.
+// Returns whether a neighbour shows another surface. Beyond the picture's edge the result is false.
 fn differs(hit: Pixel, at: vec2i) -> bool {
     if any(at < vec2i(0)) || any(at >= vec2i(frame.band.size)) { return false; }
     let other = source[pixel_index(vec2u(at))];

@@ -1,5 +1,5 @@
-// Shades pixels that show mirrors, glass or veils, from their first hits in the view and from the rays that these send
-// on. These rays belong to each eye and are not reused.
+// Shades pixels that show mirrors, glass or veils. Their light comes from the first hits in the view and from the rays
+// that these surfaces reflect and transmit. These rays belong to each eye and are not reused.
 //
 // launch  one thread per entry of the list, dispatched indirectly
 // reads   lists      TO_TRACE
@@ -19,16 +19,16 @@ struct Pending {
     direction: vec3f,
     weight: vec3f,      // multiplies what the ray sees
     travelled: f32,     // depth of the first hit, plus the path length from there
-    depth: u32,         // surfaces met so far
+    depth: u32,         // number of surfaces hit so far
 }
 
-// A ray sends on at most two, and one of them is followed at once. So at most one more ray waits than surfaces are met
-// in a row.
+// A surface sends on at most two rays, and one of them is followed at once. So at most one more ray waits than surfaces
+// are hit in a row.
 const MOST_PENDING: u32 = 9u;
 var<private> pending: array<Pending, MOST_PENDING>;
 var<private> waiting: u32;
 
-// Rays of a smaller weight change no 8-bit picture.
+// Minimum weight of a ray. Rays of a smaller weight change no 8-bit picture.
 const FAINT: f32 = 1.0 / 4096.0;
 
 fn send(origin: vec3f, direction: vec3f, weight: vec3f, travelled: f32, depth: u32) {
@@ -90,8 +90,8 @@ fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
     return 0.5 * (across * across + along_plane * along_plane);
 }
 
-// Returns the origin of a ray that leaves a hit point. It is moved off the surface, to the side that the ray goes to,
-// by the distance that shadow rays keep from it.
+// Returns the origin of a ray that leaves a hit point. It is moved off the surface, to the ray's side, by the same
+// distance as for shadow rays.
 fn offset_from(surfaces: Surfaces, origin: vec3f, side: f32) -> vec3f {
     let point = of_ray3(surfaces.point, 0u);
     let offset = off_surface(point, origin, of_ray(surfaces.reach, 0u));
@@ -107,8 +107,8 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
     // The first ray's direction is scaled so that t is depth; all others are unit vectors.
     var ray = Pending(own.origin, of_ray3(own.direction, 0u), vec3f(1.0), 0.0, 0u);
     var hits = target_hits(listed.pixels, listed.wanted);
-    // A hit reused from another view's sample is intersected anew by this pixel's own ray, if it hits. Else rays would
-    // begin beside the pixel.
+    // A hit may be reused from another view's sample. If this pixel's own ray hits the same primitive, that t replaces
+    // the sample's. Without this, reflected rays would begin beside the pixel.
     if COUNT { primitives_tested += 1u; }
     let met = met_at(hits.slot, own);
     hits.t = select(hits.t, met.t, met.hit & (met.t >= F(0.0)));

@@ -1,6 +1,6 @@
 // Pass 3 of 3, first half: checks reprojected pixels and lists those that are bad or missing, for trace_listed.wgsl.
-// The list keeps the few traced pixels of neighbouring threads together. Traced here, they would delay whole subgroups
-// of reused ones. Good pixels are copied later, by take_over.wgsl.
+// The list keeps the few traced pixels of neighbouring threads together. If they were traced here, they would delay
+// whole subgroups of reused pixels. Good pixels are copied later, by take_over.wgsl.
 //
 // launch  one thread per block of the target's pixels (a pixel, or 2x2) of the rows at work
 // reads   source    [height * width]    a point's depth is the same for both eyes
@@ -52,7 +52,7 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
             let index = pixel_index(pixel_of_ray(pixels, ray));
             let key = of_ray_u(keys, ray);
             view[index].marks = select(key | BAD, MISSED, key == EMPTY);
-            // It is traced from the eye on.
+            // A depth of 0 means that the pixel's ray is traced from the eye.
             view[index].depth = 0.0;
             append(TO_TRACE, place, index);
             place += 1u;

@@ -1,5 +1,5 @@
-// Pass 3 of 3, after resolve_right or resolve_tiles: traces the target pixels that these listed. Each ray begins at the
-// depth up to which space is known to be empty. shade_listed or shade_tiles shades the hits.
+// Pass 3 of 3, after resolve_right or resolve_tiles: traces the target pixels that those kernels listed. Each ray
+// begins at the depth up to which space is known to be empty. shade_listed or shade_tiles shades the hits.
 //
 // launch  one thread per entry of the list, or per four, dispatched indirectly
 // reads   lists        TO_TRACE

@@ -1,5 +1,5 @@
-// Finishes a light's shadow-buffer after all primitives are drawn: keeps the nearest of them and of the planes, which
-// are not drawn (docs/SHADOW-BUFFER.md).
+// Finishes a light's shadow-buffer after all primitives are drawn. Keeps the nearest hit among these primitives and the
+// planes, which are not drawn (docs/SHADOW-BUFFER.md).
 //
 // launch  one thread per block of texels (a texel, or 2x2) of the rows at work
 // updates t_buffer  [rows at work][image_size.x][2]    from the nearest t's complement and a slot + 1 to t and the

@@ -1,6 +1,6 @@
-// Finishes a light's shadow-buffer of the hybrid rule after all primitives are drawn. Keeps the plane of the nearest of
-// them and of the infinite planes, which are not drawn. The slot is marked where another primitive may stand before
-// that plane (docs/SHADOW-BUFFER.md).
+// Finishes a light's shadow-buffer of the hybrid rule after all primitives are drawn. Keeps the plane of the nearest
+// hit among these primitives and the infinite planes, which are not drawn. The slot is marked if another infinite plane
+// lies in front of that plane (docs/SHADOW-BUFFER.md).
 //
 // launch  one thread per texel of the rows at work
 // reads   t_buffer  [rows at work][image_size.x][2]    the nearest t's complement and a slot + 1

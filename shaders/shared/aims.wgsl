@@ -3,12 +3,13 @@
 //! use dice, fetch, frame, lane, light, pixels, table
 
 //! if soft is masked or asked or followed
-// How rays leave a point for a source: along base + p along + q up, with (p, q) in a disc, or in a square for a
-// rectangle. Rays to surroundings are distributed by the cosine of their angle with base.
+// A bundle of rays from a surface point to one light source. A ray's direction is base + p along + q up. The pair (p,
+// q) lies in a disc, or in a square for a rectangular light. Rays of ambient light follow a cosine distribution around
+// base.
 struct Aim {
     kind: u32,
     count: u32,       // number of rays to the source
-    start: vec3f,     // off the surface
+    start: vec3f,     // ray origin, moved off the surface
     base: vec3f,
     along: vec3f,
     up: vec3f,
@@ -17,13 +18,13 @@ struct Aim {
     spin: vec2f,
 }
 
-// Four rays.
+// A group of four rays.
 struct Four {
     x: vec4f,         // unit directions
     y: vec4f,
     z: vec4f,
-    far: vec4f,       // length
-    weight: vec4f,    // of the light along it: its cosine with the surface's normal
+    far: vec4f,       // maximum length of the ray, world units
+    weight: vec4f,    // cosine factor of the ray's light; 1 for ambient light, 0 for an unwanted ray
     wanted: vec4<bool>,
 }
 
@@ -41,12 +42,12 @@ fn sum_of_four(four: vec4f) -> f32 {
 }
 
 //! end
-// Kind of a light, in w of its first texel. Its size is in w of the second one.
+// Kind of a light, stored in w of the light's first texel. The light's size is stored in w of its second texel.
 const POINT: u32 = 0u;
-// 1 is a ball; its size is the radius.
-const RECTANGLE: u32 = 2u;     // third and fourth texel: from its middle to the middles of two sides
-const SUN: u32 = 3u;           // its position is a unit direction; size: tangent of the radius
-const SURROUNDINGS: u32 = 4u;  // behind the last light: ambient light; its rays end after occlusion_radius
+// Kind 1 is a spherical light, and its size is the radius.
+const RECTANGLE: u32 = 2u;     // third and fourth texel: vectors from its centre to the centres of two sides
+const SUN: u32 = 3u;           // its position is a unit direction; its size is the tangent of its angular radius
+const SURROUNDINGS: u32 = 4u;  // ambient light, indexed after the last light; its rays end after occlusion_radius
 
 //! if soft is none
 fn light_kind(light: u32) -> u32 { return POINT; }
@@ -54,7 +55,7 @@ fn light_kind(light: u32) -> u32 { return POINT; }
 fn sources_of(lights: u32) -> u32 { return lights; }
 
 //! if soft is skipped
-// Other kernels handle the lights, points too.
+// This kernel skips all lights, point lights included. Other kernels compute them.
 fn light_kind(light: u32) -> u32 { return SURROUNDINGS; }
 
 //! if soft is masked or asked or followed
@@ -106,7 +107,7 @@ fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {
         let middle = shading_vector(first);
         size = bitcast<f32>(table_texel(first + 1u).w);
         aim.base = select(middle - aim.start, middle, kind == SUN);
-        // A sun without a size takes one ray.
+        // A sun of size 0 needs only one ray.
         if size == 0.0 && kind == SUN { aim.count = 1u; }
         aim.along = shading_vector(first + 2u);
         aim.up = shading_vector(first + 3u);
@@ -119,7 +120,7 @@ fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {
     return aim;
 }
 
-// Returns four rays, distributed by the shape of the source.
+// Returns four rays, distributed over the shape of the light source.
 fn spread_four(aim: Aim, group: u32) -> Four {
     let index = vec4u(0u, 1u, 2u, 3u) + vec4u(4u * group);
     let u = fract((vec4f(index) + 0.5) / f32(aim.count) + aim.spin.x);
@@ -139,7 +140,7 @@ fn spread_four(aim: Aim, group: u32) -> Four {
     return facing_four(aim, index, x, y, z);
 }
 
-// Returns rays in four directions, without those that lead below the surface.
+// Returns rays in four directions. Rays that point below the surface are marked as not wanted.
 fn facing_four(aim: Aim, index: vec4u, x: vec4f, y: vec4f, z: vec4f) -> Four {
     let far = sqrt(x * x + y * y + z * z);
     var rays = Four(x / far, y / far, z / far, far, vec4f(1.0), index < vec4u(aim.count));
@@ -156,7 +157,8 @@ fn facing_four(aim: Aim, index: vec4u, x: vec4f, y: vec4f, z: vec4f) -> Four {
     return rays;
 }
 
-// Returns whether a source is always visible: if lights cast no shadows and it is not ambient light.
+// Returns whether a source is always visible. This holds for lights if shadows are disabled, but never for ambient
+// light.
 fn is_never_hidden(kind: u32) -> bool {
     return !CASTS && kind != SURROUNDINGS;
 }

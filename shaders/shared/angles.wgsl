@@ -1,22 +1,22 @@
-// Sines and arctangents by polynomials. WGSL's own may be off by 1/2048 on some adapters, much more than a texel of a
-// large table. From Abramowitz & Stegun, "Handbook of Mathematical Functions", 4.3.97, 4.3.99 and 4.4.49; their error
-// is below f32 rounding.
+// Sines and arctangents by polynomials. WGSL's built-in functions may be off by 1/2048 on some adapters, which is much
+// more than a texel of a large table. The polynomials are from Abramowitz & Stegun, "Handbook of Mathematical
+// Functions", 4.3.97, 4.3.99 and 4.4.49. Their error is below f32 rounding.
 
 //! use lane
 
 const QUARTER_TURN: f32 = 1.57079637;
-// Remainder of a quarter turn beyond f32.
+// Difference between a quarter turn and QUARTER_TURN, radians.
 const QUARTER_TURN_LOW: f32 = -4.37113883e-8;
 
-// Take radians, within a few turns of 0.
+// Both functions take radians, at most a few turns away from 0.
 fn sine(x: F) -> F { return turned_sine(x, U(0u)); }
 fn cosine(x: F) -> F { return turned_sine(x, U(1u)); }
 
-// Returns the sine, shifted by `further` quarter turns.
+// Returns the sine of x plus `further` quarter turns.
 fn turned_sine(x: F, further: U) -> F {
     let turns = floor(x / QUARTER_TURN + 0.5);
     let y = (x - turns * QUARTER_TURN) - turns * QUARTER_TURN_LOW;
-    // Eight quarters are added so that the number stays positive.
+    // Eight quarter turns are added so that the number stays positive.
     let quarter = (U(turns + 8.0) + further) & U(3u);
     let z = y * y;
     let odd = y * (1.0 + z * (-0.1666666664 + z * (0.0083333315 + z * (-0.000198409 + z * 0.0000027526))));

@@ -1,24 +1,25 @@
-// Visibility bits that right pixels reuse from the left view (docs/BRACKET.md). Every bit is inferred: an occluder's
+// Visibility bits that target pixels reuse from a source view (docs/BRACKET.md). Every bit is inferred: an occluder's
 // shadow that falls between the samples is lost.
 
 //! use camera, frame, lane, light, lists, pixels, primitive, rays, source_samples
 
-// The lights of a point, as the samples beside it saw them. `known` and `lit` have one bit for each of the first 16
-// lights.
+// Visibility of the lights at a point, inferred from the source samples on both sides of the point. `known` and `lit`
+// have one bit for each of the first 16 lights.
 struct Taken {
     known: U,
     lit: U,
-    // Slots of primitives that hide some light from the samples on both sides of the point, or MISS.
+    // Slots of an occluder of the sample before the point and of one of the sample after it, or MISS.
     occluders_a: U,
     occluders_b: U,
-    // Shares of the samples on both sides, packed like found_shares of visibility.wgsl; UNASKED if one does not vouch.
+    // Light shares of the two samples, packed like found_shares of visibility.wgsl. If a sample is rejected, all its
+    // shares are UNASKED.
     shares_before: U,
     shares_after: U,
-    way: F,             // from the first sample to the next, 0 to 1
-    busy: U,            // from bit 16 on: shares that are not reused
+    way: F,             // position of the point from the first sample to the next, 0 to 1
+    busy: U,            // from bit 16 on: a bit for each source whose share is not reused
 }
 
-// A word holds the shares of this many sources: 0 if no ray arrives, ALL_OPEN if all do.
+// Number of sources whose shares fit in a word. A share is 0 if no ray arrives and ALL_OPEN if all rays arrive.
 const SHARES: u32 = 6u;
 const SHARE_BITS: u32 = 5u;
 const ALL_OPEN: u32 = 30u;
@@ -31,7 +32,7 @@ fn light_mask(light: u32) -> u32 {
 fn is_known(taken: Taken, light: u32) -> B { return (taken.known & U(light_mask(light))) != U(0u); }
 fn is_lit(taken: Taken, light: u32) -> B { return (taken.lit & U(light_mask(light))) != U(0u); }
 
-// Returns the known visibility bits of hit points at right pixels, packed as in SourceSample.bits. Busy lights are
+// Returns the visibility bits that source samples give for the hit points of target pixels. Bits of busy lights are
 // unknown.
 fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces, busy: U) -> Taken {
     var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0), busy);
@@ -63,12 +64,12 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces, busy: U) -> 
     return result;
 }
 
-// A point's place among a source's samples: between the centres of one sample and the next in its row.
+// The position of a point, projected into a source view, between two neighbouring samples of a row.
 struct Between {
     source: Asked,
-    usable: bool,         // both are in the picture
+    usable: bool,         // whether both samples are in the picture
     first: vec2u,
-    way: f32,             // from the first sample to the next, 0 to 1
+    way: f32,             // position of the point from the first sample to the next, 0 to 1
     point_parallax: f32,
 }
 
@@ -97,8 +98,8 @@ fn sample_of(source: Asked, pixel: vec2u) -> SourceSample {
 }
 
 //! if sources is two
-// Queries the second source, on the target's other side, for bits that the nearest source leaves open. It sees surfaces
-// that are hidden from the first.
+// Queries the second source, on the target's other side, for bits that the nearest source leaves unknown. The second
+// source sees surfaces that are hidden from the nearest one.
 fn asked_also(bits: u32, pixels: Pixels, hits_there: Hits, surfaces: Surfaces, ray: u32) -> u32 {
     let second = second_source();
     let at = place_between(second, pixel_of_ray(pixels, ray), of_ray(hits_there.t, ray));
@@ -113,24 +114,25 @@ fn sample_of(source: Asked, pixel: vec2u) -> SourceSample {
 }
 
 //! end
-// Returns whether a left sample vouches for a point of this component and parallax.
+// Returns whether a source sample shows the point's surface: it has the same component and a similar parallax.
 fn vouches(at: Between, sample: SourceSample, component: u32) -> bool {
     let apart = abs(parallax_from(at.source, sample.depth) - at.point_parallax);
     return sample.component == component && apart <= at.source.same_parallax;
 }
 
-// Returns the sample's bits, or none if it does not vouch.
+// Returns the sample's bits, or 0 if the sample shows another surface than the point's.
 fn vouched_bits(at: Between, sample: SourceSample, component: u32) -> u32 {
     return select(0u, sample.bits, vouches(at, sample, component));
 }
 
-// Returns the shares of the first sample beside a point, or of the next one. MISS has UNASKED in every share.
+// Returns the shares of the sample before a point (next = 0) or after it (next = 1). If the sample shows another
+// surface, the result is MISS, which has UNASKED in every share.
 fn vouched_shares(at: Between, next: u32, component: u32) -> u32 {
     let sample = source_sample(at.first + vec2u(next, 0u));
     return select(MISS, sample.other, vouches(at, sample, component));
 }
 
-// Returns the bits in which two samples agree.
+// Returns the visibility bits that both samples know and agree on.
 fn agreeing(a: u32, b: u32) -> u32 {
     let known = ((a & b) >> 16u) & ~(a ^ b) & 0xffffu;
     return (known << 16u) | (a & known);
@@ -149,7 +151,7 @@ fn busy_at(pixels: Pixels) -> U {
 }
 
 //! if bits is none
-// `rays`: no bit is reused.
+// With `rays`, no visibility bit is reused.
 fn busy_near(pixel: vec2u) -> u32 { return 0u; }
 
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
@@ -163,10 +165,12 @@ fn busy_near(pixel: vec2u) -> u32 {
 }
 
 //! if bits is two
-// `two`: the left samples on both sides of the point must agree. In a groove, deeper than the line between the two
-// samples, a light that both see may be hidden.
+// With `two`, the source samples on both sides of the point must agree. If the point lies in a groove, below the line
+// between the two samples, a light that both samples see may be hidden. There the bits of visible lights count as
+// unknown.
 
-// Depth of a groove, as a share of the tolerated parallax: 1/128 pixel if that is 0.75.
+// Minimum depth of a groove, as a share of the tolerated parallax difference. It is 1/128 pixel for a tolerance of 0.75
+// pixels.
 const GROOVE: f32 = 1.0 / 96.0;
 
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
@@ -180,10 +184,10 @@ fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
 }
 
 //! if bits is block
-// `block`: the left samples on both sides of the point must agree, in its row and in those above and below. A sample of
-// another primitive does not vouch if its normal differs too much.
+// With `block`, the source samples on both sides of the point must agree, in the point's row and in the rows above and
+// below. A sample of another primitive is rejected if its normal differs too much.
 
-// Least cosine between the normals of primitives that may share a shadow.
+// Minimum cosine between the normals of primitives whose samples may share visibility bits.
 const SAME_NORMAL: f32 = 0.9;
 
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
@@ -204,9 +208,9 @@ fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
 fn smooth_bits(at: Between, sample: SourceSample, component: u32, normal: vec3f, slot: u32) -> u32 {
     let bits = vouched_bits(at, sample, component);
     let other = primitive_at(select(sample.other, slot, bits == 0u));
-    // The sign does not matter: neighbours that are both seen are seen from the same side.
+    // The sign of the normals does not matter: two visible neighbours are seen from the same side.
     let its_normal = normalize(largest_one(cross(largest_one(other.b - other.a), largest_one(other.c - other.a))));
-    // A sphere's component has no other primitive.
+    // A sphere is the only primitive of its component.
     let same = sample.other == slot || (component & IS_SPHERE) != 0u || abs(dot(its_normal, normal)) >= SAME_NORMAL;
     return select(0u, bits, same);
 }

@@ -1,8 +1,8 @@
-// How the boxes of a pair of nodes are stored.
+// Storage of the boxes of a pair of nodes.
 
 //! use fetch, lane
 
-// Links that a traversal has yet to follow, above DONE.
+// Stack of the links that a traversal has yet to follow, with DONE at the bottom.
 alias Stack = array<u32, STACK_SIZE>;
 
 const LEAF: u32 = 0x80000000u;
@@ -17,7 +17,7 @@ struct Child {
     link: u32,
 }
 
-// Offsets from the grid's origin to box corners relative to a point.
+// Offsets to add to a box's corners. They make the corners relative to a point and widen the box.
 struct Offsets {
     low: vec3f,
     high: vec3f,
@@ -32,7 +32,7 @@ fn offsets_from(origin: vec3f) -> Offsets {
     return Offsets(to_grid - slack, to_grid + slack);
 }
 
-// Returns where the first of the rays enters a child's box within [t_min, t_best], or NO_ENTRY.
+// Returns the smallest t at which one of the rays enters a child's box within [t_min, t_best], or NO_ENTRY.
 fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
     let low_x = child.low.x * inverse.x;
     let low_y = child.low.y * inverse.y;
@@ -48,10 +48,10 @@ fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
 }
 
 //! if boxes is grid
-// 16-bit corners on a grid over the whole scene, rounded outwards. A child takes one texel, half as much as with f32
-// corners.
+// Corners are 16-bit coordinates on a grid over the whole scene, rounded outwards. A child takes one texel, half as
+// much as with f32 corners.
 
-// Boxes are widened by this share of the scene's size and distance.
+// Margin of all boxes, as a share of the scene's size and distance.
 const SCENE_SLACK: f32 = 1.0 / 1048576.0;
 
 // Returns one child of a pair: its link, and its widened box relative to the ray's origin.
@@ -63,7 +63,7 @@ fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
 }
 
 //! if boxes is f32
-// f32 corners relative to the grid's origin. A child takes two texels.
+// Corners are f32 coordinates relative to the grid's origin. A child takes two texels.
 
 const SCENE_SLACK: f32 = 1.0 / 1048576.0;
 
@@ -74,9 +74,9 @@ fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
 }
 
 //! if boxes is world
-// f32 corners in scene coordinates, for scenes far larger than their detail. Each box is widened by a share of its own
-// distance from the ray's origin. The other layouts widen all boxes alike, which is cheaper and harmless for larger
-// boxes.
+// Corners are f32 scene coordinates, for scenes far larger than their detail. Each box is widened by a share of its own
+// distance from the ray's origin. The other layouts widen all boxes by the same amount, which is cheaper and harmless
+// for larger boxes.
 
 const SCENE_SLACK: f32 = 0.0;
 const BOX_SLACK: f32 = 1.0 / 1048576.0;

@@ -1,4 +1,4 @@
-// Traversal: closest_hit and any_hit share one loop, which every ray goes through.
+// Traversal of the BVH. closest_hit and any_hit share one loop, and every ray uses it.
 //
 // The rays of a lane start at one point and share a stack: all of them test each node that one must visit. A node is a
 // pair of child boxes, each with a link. A link with LEAF set is a run of 1 to 8 primitives: (count - 1) in bits 28 to
@@ -20,14 +20,15 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     resume(&hits, &stack, &top, &link);
     var slot: u32;
     var last: u32;
-    // The largest t at which a box may begin.
+    // Boxes that begin beyond this t are skipped.
     var reach = hits.t;
-    // Few primitives are deferred. Handling them in these loops would cost all rays of a software adapter's vector.
+    // Primitives with an uncertain test are deferred. They are few, and handling them in these loops would slow down
+    // all rays of a software adapter's vector.
     var put_off = PutOff();
     loop {
-        // Both inner loops run their body before the test: software adapters run the body once anyhow.
+        // Both inner loops test their condition at the end, since software adapters run the body once in any case.
         loop {
-            // Down: follows the nearer child and pushes the farther one. Pops if both boxes are missed.
+            // Descends: follows the nearer child and pushes the farther one. If both boxes are missed, pops a link.
             loop {
                 if COUNT { nodes_visited += 1u; }
                 let place = pair_place(link);
@@ -50,7 +51,7 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
                 if (link & LEAF) != 0u || is_tired() { break; }
             }
             if link == DONE || is_step_over(link) { break; }
-            // Across: tests the primitives of this leaf and of the leaves on top of the stack.
+            // Tests the primitives of this leaf and of the leaves on top of the stack.
             slot = link & FIRST_SLOT;
             last = slot + ((link >> 28u) & 7u);
             loop {
@@ -88,12 +89,13 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
         hits = settled(hits, rays, t_min, put_off, any_is_enough);
         put_off = PutOff();
         if !waiting { break; }
-        // The rest of the leaf is pushed back. The root is visited without effect, to pop it again.
+        // Pushes the rest of the leaf onto the stack. The next round visits the root, misses its boxes and pops that
+        // rest.
         top += 1;
         stack[top] = LEAF | ((last - slot) << 28u) | slot;
         link = 0u;
         reach = F(NEVER);
-        // Neither that visit nor the repeated test is counted.
+        // The visit of the root and the repeated primitive test are not counted.
         if COUNT {
             nodes_visited -= 1u;
             primitives_tested -= 1u;
@@ -104,7 +106,7 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     return hits;
 }
 
-// Returns the hits after the second look at the deferred primitives.
+// Returns the hits after the second test of the deferred primitives.
 fn settled(before: Hits, rays: Rays, t_min: F, put_off: PutOff, any_is_enough: bool) -> Hits {
     var hits = before;
     var left = put_off;
@@ -116,7 +118,7 @@ fn settled(before: Hits, rays: Rays, t_min: F, put_off: PutOff, any_is_enough: b
     return hits;
 }
 
-// Takes one ray per round.
+// Runs the second test of one deferred primitive, one ray per round.
 fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enough: bool) -> Hits {
     var hits = before;
     var left = with_bits(doubtful);
@@ -139,26 +141,26 @@ fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enou
 }
 
 //! if planes is none
-// Returns the slot of some primitive with a hit in [t_min, t_max], or MISS. planes.wgsl has the version for scenes with
-// planes.
+// Returns the slot of any primitive with a hit in [t_min, t_max], or MISS. Scenes with planes use the version in
+// planes.wgsl.
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     return traverse(rays, t_min, t_max, true).slot;
 }
 
 //! if primitives is triangles or spheres or mixed and planes is none
-// Returns the nearest hits with t in [t_min, t_max]; at equal t the smallest primitive id. t_min is at least 0. A ray
-// with t_max NEVER is not traced.
+// Returns the nearest hits with t in [t_min, t_max]. At equal t the smallest primitive id wins. t_min must be at least
+// 0. A ray with t_max NEVER is not traced.
 fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
     return traverse(rays, t_min, t_max, false);
 }
 
-// Returns whether anything is hit with t in [t_min, t_max], under the conditions of closest_hit.
+// Returns whether each ray hits anything with t in [t_min, t_max]. The conditions of closest_hit apply.
 fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
     return any_slot(rays, t_min, t_max) != U(MISS);
 }
 
 //! if primitives is none and planes is none
-// The kernel has no traversal: nothing is ever hit.
+// This kernel has no traversal, so every ray misses.
 
 fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
     return Hits(t_max, U(MISS), U(0u));

@@ -7,8 +7,8 @@
 // Returns the point where the target's rays start.
 fn eye_point() -> vec3f { return frame.eyes.target_eye; }
 
-// Returns the directions from the target to points at these depths in source pixels. Directions to the sky are those of
-// the source.
+// Returns the directions from the target eye to the points at the given depths in source pixels. For sky pixels the
+// direction is that of the source ray.
 fn to_source_points(pixels: Pixels, depth: F, sky: B) -> F3 {
     let direction = pixel_directions(frame.eyes.source_corner, pixels);
     let to_point = minus3(times3(direction, depth), all3(frame.eyes.right_axis * frame.eyes.shift));
@@ -18,7 +18,7 @@ fn to_source_points(pixels: Pixels, depth: F, sky: B) -> F3 {
 // Returns the side of a square with a pixel's area, at a distance along the view axis.
 fn footprint(distance: f32) -> f32 { return distance * length(frame.eyes.step_x) * frame.eyes.pixel_side; }
 
-// Returns the width of a pixel at distance 1.
+// Returns the width of a pixel at distance 1 along the view axis.
 fn column_step() -> f32 { return length(frame.eyes.step_x); }
 
 //! if camera is planar and canvas is picture
@@ -30,8 +30,8 @@ fn rays_of(pixels: Pixels) -> Rays {
 //! if camera is around and canvas is picture
 const HALF_TURN: f32 = 3.14159265;
 
-// Returns the target's ray through a pixel, one a lane: a tangent of a circle around target_eye. Its t is the distance
-// along the ground (src/frame/eyes/around.rs).
+// Returns the target's ray through a pixel, for lanes of one ray. The ray is tangent to a circle around target_eye. Its
+// t is the distance along the ground (src/frame/eyes/around.rs).
 fn rays_of(pixels: Pixels) -> Rays {
     let pixel = pixel_of_ray(pixels, 0u);
     let azimuth = (f32(pixel.x) + 0.5) * frame.eyes.step_x.x - HALF_TURN;
@@ -70,44 +70,44 @@ fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
 }
 
 //! end
-// Returns the parallax x_t - x_s of a point at depth z, in pixels: e_px (1 - d/z), thesis eq. 10; for parallel cameras
-// f_px (0 - e/z). FAR gives the parallax of infinity.
+// Returns the parallax x_t - x_s of a point at depth z, in pixels. It is e_px (1 - d/z), thesis eq. 10; for parallel
+// cameras f_px (0 - e/z). FAR gives the parallax at infinity.
 fn parallax(z: f32) -> f32 {
     return frame.eyes.parallax_px * (frame.eyes.at_infinity - frame.eyes.parallax_distance / z);
 }
 
-// Returns X, where a sample lands: its centre moved by the parallax.
+// Returns X, the landing position of a sample: the sample's centre plus its parallax, in pixels.
 fn landing_x(column: u32, z: f32) -> f32 {
     return f32(column) + 0.5 + parallax(z);
 }
 
-// Returns the target column floor(X) of a sample, or -1 outside the picture. X is compared before conversion, since
-// near z = 0 it does not fit an integer.
+// Returns the target column floor(X) of a sample, or -1 outside the picture. X is compared before conversion, since X
+// does not fit an integer near z = 0.
 fn target_column(column: u32, z: f32) -> i32 {
     let x = landing_x(column, z);
     if !(x >= 0.0 && x < f32(frame.band.size.x)) { return -1; }
     return i32(floor(x));
 }
 
-// Returns floor(X) without the picture's edges, clamped to fit.
+// Returns floor(X), also outside the picture, clamped to the range of an integer.
 fn landing(column: u32, z: f32) -> i32 {
     return i32(floor(clamp(landing_x(column, z), -1e9, 1e9)));
 }
 
-// The order of a source's columns for its target begins on the farthest side. To an eye on the right, near things move
-// to the left. So of the samples that land in one column the rightmost is the nearest. For an eye on the left all is
-// mirrored.
+// A sweep visits a source's columns in such an order that, of the samples that land in one target column, the nearest
+// comes last. For a target on the right, near points move to the left, so the rightmost of these samples is the
+// nearest. For a target on the left, the order is mirrored.
 
 fn is_mirrored() -> bool { return frame.eyes.parallax_px < 0.0; }
 
 // Returns the column at position `place` of the sweep. The function is its own inverse.
 fn in_sweep(place: u32) -> u32 { return select(place, frame.band.size.x - 1u - place, is_mirrored()); }
 
-// Returns a sample's key: the later its column comes in the sweep, the larger. It is never EMPTY.
+// Returns a sample's key. Keys grow along the sweep and are never EMPTY.
 fn key_of(column: u32) -> u32 { return in_sweep(column) + 1u; }
 fn column_of(key: u32) -> u32 { return in_sweep(key - 1u); }
 
-// A source view that a target queries.
+// The parameters of a source view that a target view queries.
 struct Asked {
     parallax_px: f32,     // like frame.eyes.parallax_px
     same_parallax: f32,

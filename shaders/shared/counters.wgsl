@@ -1,9 +1,10 @@
-// Counters of a thread's work, and of a view's rows. src/kernel/layout.rs has the numbers too, and a test compares
+// Counters of a thread's work and of a view's rows. src/kernel/layout.rs defines the same numbers, and a test compares
 // them.
 
 //! use frame, pixels
 
-// Words of a view's `counters` per picture row. A set for each row keeps atomics apart and sums within 32 bits.
+// Number of counters per picture row. Separate counters for each row reduce contention and keep the sums within 32
+// bits.
 const COUNTERS: u32 = 13u;
 const SHADOW_RAYS: u32 = 0u;
 const NODES_VISITED: u32 = 1u;
@@ -20,7 +21,8 @@ const SENT_RAYS: u32 = 11u;
 const OWN_SHADOW_RAYS: u32 = 12u;   // shadow rays from mirrored surfaces, included in SHADOW_RAYS
 
 override COUNT: bool = false;
-// Whether a loop ended before its work did. llvmpipe silently ends a thread's loops after 65,535 rounds in total.
+// Whether a loop ended before its work was complete. llvmpipe silently ends a thread's loops after 65,535 rounds in
+// total.
 var<private> cut_short: bool;
 
 //! if primitives is triangles or spheres or mixed
@@ -49,8 +51,8 @@ fn count_view(row: u32, shadow: u32, nodes: u32, primitives: u32) {
 
 override COST_MAP: bool = false;
 
-// Adds this thread's work to its pixel of the cost map, which is stored behind the counters. Such a pipeline has one
-// ray a lane.
+// Adds this thread's work to its pixel of the cost map, which is stored behind the counters. Pipelines with a cost map
+// have one ray per lane.
 fn count_pixel(pixel: vec2u) {
     if COST_MAP {
         atomicAdd(&counters[frame.band.size.y * COUNTERS + pixel_index(pixel)], nodes_visited + primitives_tested);

@@ -1,19 +1,19 @@
-// Cut-outs: triangles whose surface exists only where a mask says so.
+// Cut-out triangles: a mask says where their surface exists.
 //
-// A hit on such a triangle is deferred like an uncertain one. The second look, one ray at a time, reads the mask. So
-// the first test costs no more than without masks, and masks are read for hits only. Every ray of either eye gets the
-// same answer, since one function decides.
+// A hit on a cut-out triangle is deferred like an uncertain hit. The second test, one ray at a time, reads the mask. So
+// the first test costs no more than without masks, and masks are read for hits only. Both eyes get consistent results,
+// since one function decides for every ray.
 
 //! use fetch, lane, primitive, rays, textures, triangle
 
 //! if cutouts is some
-// Returns a triangle test's result, where a hit on a cut-out triangle is uncertain.
+// Returns the result of a triangle test. A hit on a cut-out triangle becomes uncertain.
 fn at_first_look(primitive: Primitive, found: Found) -> Found {
     let cut_out = B(is_cut_out(primitive));
     return Found(found.hit & !cut_out, found.t, found.doubtful | (found.hit & cut_out));
 }
 
-// Returns one ray's t on the second look, or -1 where the primitive is cut out.
+// Returns the t of one ray's second test, or -1 if the triangle is cut out at the hit.
 fn at_second_look(primitive: Primitive, slot: u32, origin: vec3f, direction: vec3f, t: f32) -> f32 {
     if is_cut_out(primitive) && !has_surface(slot, origin, direction) { return -1.0; }
     return t;
@@ -25,18 +25,20 @@ fn at_first_look(primitive: Primitive, found: Found) -> Found { return found; }
 fn at_second_look(primitive: Primitive, slot: u32, origin: vec3f, direction: vec3f, t: f32) -> f32 { return t; }
 
 //! end
-// Highest bit of a component, set for cut-out triangles. It keeps them apart from whole neighbours.
+// Highest bit of a component, set for cut-out triangles. The bit distinguishes their component from that of neighbours
+// without a mask.
 const IS_CUT_OUT: u32 = 0x80000000u;
 
 fn is_cut_out(primitive: Primitive) -> bool {
     return (primitive.component & IS_CUT_OUT) != 0u;
 }
 
-// Pixels of a mask per texel, one bit each.
+// Number of mask pixels per texel, one bit each.
 const MASK_PIXELS: u32 = 128u;
 
-// Returns whether a triangle has a surface where a ray meets it, by the mask's nearest pixel. A mask's head holds its
-// first texel, counted from the first head, then width, height and wrap. Rows count from below, like v.
+// Returns whether a triangle has a surface at a ray's hit, according to the nearest pixel of its mask. The head of a
+// mask holds the index of its first texel, relative to the first head, then width, height and wrap mode. Rows count
+// from the bottom, like v.
 fn has_surface(slot: u32, origin: vec3f, direction: vec3f) -> bool {
     let weights = corner_weights(Rays(origin, all3(direction)), triangle_corners(slot), 0u);
     let corners = triangle_uv(slot);

@@ -1,8 +1,8 @@
-// Pictures of linear colour.
+// Conversion of linear colour to displayed colour.
 
 //! use frame, lane
 
-// Maps a channel of linear colour to 0..1: exposed, then clamped or tone-mapped.
+// Maps a channel of linear colour to 0..1, by exposure and then by clamping or tone mapping.
 fn shown(linear: F) -> F {
     let x = linear * frame.display.exposure;
     if frame.display.filmic == 0u { return clamp(x, F(0.0), F(1.0)); }

@@ -1,13 +1,13 @@
-// Sums of two f32, with twice the precision (Dekker 1971; Knuth, TAOCP 2, 4.2.2). They serve eyes and lights so close
-// to a large triangle or sphere that f32 is too coarse.
+// Numbers stored as sums of two f32, with twice the precision (Dekker 1971; Knuth, TAOCP 2, 4.2.2). They are used if an
+// eye or a light is so close to a large triangle or sphere that f32 is too coarse.
 
 //! use fetch
 
 struct Two { hi: f32, lo: f32 }
 struct Two3 { hi: vec3f, lo: vec3f }
 
-// Returns the same value, hidden from the compiler. Else it simplifies (a + b) - a to b, and the rounding error is
-// lost.
+// Returns the same value, hidden from the compiler. Otherwise a compiler simplifies (a + b) - a to b, and the rounding
+// error is lost.
 fn opaque3(v: vec3f) -> vec3f {
     return bitcast<vec3f>(bitcast<vec3u>(v) ^ vec3u(bvh.zero));
 }
@@ -36,7 +36,7 @@ fn product_two3(a: Two3, b: Two3) -> Two3 {
     let b_high = upper_half3(b.hi);
     let a_low = a.hi - a_high;
     let b_low = b.hi - b_high;
-    // Each sum is separate, since compilers factor out common terms.
+    // Each sum is kept separate, since compilers factor out common terms.
     let first = opaque3(a_high * b_high - hi);
     let second = opaque3(first + a_high * b_low);
     let third = opaque3(second + a_low * b_high);
@@ -73,7 +73,7 @@ fn cross_two3(a: Two3, b: Two3) -> Two3 {
     return sum_two3(forth, Two3(-back.hi, -back.lo));
 }
 
-// Returns where a ray meets a triangle's plane. Corners are in scene coordinates.
+// Returns the t at which a ray hits a triangle's plane. Corners are in scene coordinates.
 fn plane_t(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> f32 {
     let normal = cross_two3(difference3(b, a), difference3(c, a));
     let distance = dot_two3(normal, difference3(a, origin));

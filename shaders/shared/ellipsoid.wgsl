@@ -1,8 +1,8 @@
-// Intersection with ellipsoids. A matrix maps the ellipsoid to a sphere, and the ray with it, which keeps t. The test
-// is then that of sphere.wgsl.
+// Intersection with ellipsoids. A matrix maps the ellipsoid to a sphere and transforms the ray too, which preserves t.
+// The rest of the test is that of sphere.wgsl.
 
-// In a scene with ellipsoids spheres are ellipsoids too, with the identity as their matrix. So these functions replace
-// the sphere functions of sphere.wgsl and projection.wgsl.
+// In a scene with ellipsoids, spheres are stored as ellipsoids with the identity matrix. So these functions replace the
+// sphere functions of sphere.wgsl and projection.wgsl.
 
 //! use double_float, fetch, lane, primitive, rays, sphere
 
@@ -32,12 +32,13 @@ fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) 
     return Found((inside >= F(0.0)) & !close, t, close);
 }
 
-// Share of the cancellation in the matrix's products. Within that distance of the sphere, their rounding shows in t.
+// Share of the cancellation in the matrix products that defines a distance from the sphere. If the rays' origin is
+// nearer than that distance, rounding affects t.
 const CANCELLED: f32 = 0.25;
 
 // Returns whether the rays' origin is so close to the surface that f32 is too coarse for t. Either the sphere is large,
-// as in sphere.wgsl, or terms cancel in the matrix's products. Cancellation is large beside a tilted flat ellipsoid
-// with a distant centre. If the centre is farther than the surface's size, t is as long and the error does not matter.
+// as in sphere.wgsl, or terms cancel in the matrix products. Cancellation is large beside a tilted flat ellipsoid with
+// a distant centre. If the centre is more than two radii away, t is so large that the error does not matter.
 fn is_close_ellipsoid(primitive: Primitive, from_origin: vec3f, to_center: vec3f) -> bool {
     let radius = primitive.reach;
     let distance = abs(dot(to_center, to_center) - radius * radius);
@@ -68,7 +69,7 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let primitive = primitive_at(slot);
     let material = primitive_texel(slot, 2u).w;
     let direction = of_ray3(rays.direction, ray);
-    // Relative to the eye, since the world's origin may be far away.
+    // Coordinates are relative to the eye, since the world's origin may be far away.
     let from_center = direction * of_ray(hits.t, ray) - (primitive.a - rays.origin);
     // Normals are mapped back by the transposed matrix.
     let outwards = to_sphere(primitive, largest_one(from_center));
@@ -87,23 +88,24 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     );
 }
 
-// Returns the radius of a sphere that the map stretches everywhere as much as it stretches the ellipsoid at this
-// normal. An area grows by the determinant times the length of the normal under the map's inverse transpose.
+// Returns the radius of a sphere on which a texture has the same local scale by area as on the ellipsoid at this
+// normal. The map to the sphere multiplies an area by its determinant times the length of the normal under its inverse
+// transpose.
 fn radius_there(primitive: Primitive, normal: vec3f) -> f32 {
     let lengths = vec3f(length(primitive.b), length(primitive.c), length(primitive.d));
     let grown = lengths.x * lengths.y * lengths.z * length(to_sphere(primitive, normal) / (lengths * lengths));
     return primitive.reach * inverseSqrt(grown);
 }
 
-// Returns an axis's components along the ellipsoid's semi-axes, each times the semi-axis.
+// Returns an axis's components along the ellipsoid's semi-axes, each multiplied by the semi-axis's length.
 fn half_widths(primitive: Primitive, axis: vec3f) -> vec3f {
     let squared = vec3f(dot(primitive.b, primitive.b), dot(primitive.c, primitive.c), dot(primitive.d, primitive.d));
     return to_sphere(primitive, axis) * (primitive.reach / squared);
 }
 
-// Returns the least and largest slope s of the tangent planes `across = s z`. They satisfy (across - s z)² = |a - s
-// b|², with the half widths a and b of the two axes. The discriminant is written as two products, so that a distant
-// centre's rounding does not swamp it.
+// Returns the smallest and largest slope s of the tangent planes `across = s z`. The slopes satisfy (across - s z)² =
+// |a - s b|², where a and b are the half widths of the two axes. The discriminant is written as two products, so that
+// the rounding of a distant centre does not swamp it.
 fn touching(across: f32, z: f32, a: vec3f, b: vec3f, depth: f32) -> vec2f {
     let seen = z * a - across * b;
     let hidden = cross(a, b);

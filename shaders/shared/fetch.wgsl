@@ -2,7 +2,7 @@
 // textures.
 
 //! if boxes is grid
-// Texels of a child of a node (boxes.wgsl).
+// Number of texels of a node's child (boxes.wgsl).
 const CHILD_TEXELS: u32 = 1u;
 
 //! if boxes is f32 or world
@@ -22,16 +22,16 @@ struct Bvh {
     grid_origin: vec3f,   // grid point 0, scene coordinates
     extent: f32,          // largest side of the scene's box, world units
     grid_cell: vec3f,     // world size of a grid step
-    zero: u32,            // 0, unknown to compilers
+    zero: u32,            // always 0, which compilers do not know
 }
 
 //! end
 var<uniform> bvh: Bvh;
 
 //! if fetch is buffer
-// Storage buffers: for GPUs.
+// The data is in storage buffers, for GPUs.
 
-// The root's pair, then the primitives, then all other pairs: see src/accel/geometry.rs.
+// The order is: the root's pair, the primitives, all other pairs (src/accel/geometry.rs).
 var<storage, read> geometry: array<vec4u>;
 
 // Index of the first texel of a pair of children.
@@ -56,8 +56,9 @@ fn table_texel(index: u32) -> vec4u {
 }
 
 //! if fetch is texture
-// Textures: for CPU adapters, where a texel load is an unrolled gather and faster than a storage-buffer load
-// (docs/TRAVERSAL.md). They are storage textures, since a sampled texture looks up its mip level for every lane.
+// The data is in textures, for CPU adapters. There a texel load is an unrolled gather, which is faster than a
+// storage-buffer load (docs/TRAVERSAL.md). The textures are storage textures, since a sampled texture looks up its mip
+// level for every lane.
 
 // The first row holds the root's pair alone. Rows of primitives follow, then rows of all other pairs: see
 // src/accel/geometry.rs.
@@ -75,8 +76,8 @@ fn node_texel(place: Place, texel: u32) -> vec4u {
     return textureLoad(geometry, vec2u(place.x + texel, place.y));
 }
 
-// A primitive's texels stand below each other: a row has the first texels of 8192 primitives, the next row their second
-// ones.
+// A primitive's texels are stored in one column, in consecutive rows. A row has the first texels of 8192 primitives,
+// the next row their second texels.
 fn primitive_texel(slot: u32, texel: u32) -> vec4u {
     let first = texel_position(slot);
     return textureLoad(geometry, vec2u(first.x, first.y * PRIMITIVE_TEXELS + (1u + texel)));

@@ -1,9 +1,9 @@
-// A thread does all its work in one dispatch, or a limited number of loop rounds in each of several.
+// A thread does all its work in one dispatch, or a limited number of loop rounds in each of several dispatches.
 
 //! use boxes, counters, lane, light, rays
 
 //! if dispatches is one
-// These functions do nothing.
+// With one dispatch, these functions do nothing.
 
 const paused = false;
 
@@ -30,26 +30,26 @@ fn is_put_off(asked: B) -> bool { return false; }
 fn keep_lights(sum: Light, light: u32) -> bool { return false; }
 
 //! if dispatches is many
-// A thread runs a limited number of loop rounds per dispatch, saves its state, and resumes in the next. This is for
-// rays and lights that take more rounds than an adapter grants a thread.
+// A thread runs a limited number of loop rounds per dispatch, saves its state, and resumes in the next dispatch. This
+// serves rays and lights that need more rounds than an adapter grants a thread.
 //
-// A traversal pauses before a pair of boxes, where hits and stack are its whole state. It then continues as if it had
-// not paused. So hits, colours and counters equal those of one dispatch, bit for bit.
+// A traversal pauses only before it tests a pair of boxes. Its whole state there is the hits, the stack and the next
+// link. So hits, colours and counters equal those of a single dispatch, bit for bit.
 
-// State that a thread saves between dispatches. Initially zero.
+// State that a thread saves between dispatches. All fields are initially 0.
 struct Lane {
     seen: Hits,     // hits of primary rays, once traced
     passed: Hits,   // hits of the current traversal
-    sum: Light,     // light of the previous lights
+    sum: Light,     // sum of the light of the previous lights
     stage: u32,     // 0: primary rays; n: light n - 1; FINISHED
-    link: u32,      // next link of the traversal; 0: not begun
+    link: u32,      // next link of the traversal; 0 if no traversal has begun
     top: i32,
     stack: Stack,
 }
 
 struct Lanes {
     unfinished: atomic<u32>,
-    rounds: i32,             // per dispatch
+    rounds: i32,             // loop rounds per dispatch
     _pad: vec2u,
     lanes: array<Lane>,
 }
@@ -72,7 +72,7 @@ fn begin_step(thread: u32) -> bool {
     return steps.lanes[lane].stage != FINISHED;
 }
 
-// Ends a dispatch. A lane that was cut short finishes too: its frame or list is an error.
+// Ends a thread's dispatch. A lane that was cut short is finished too, since its frame or list is an error.
 fn end_step() {
     if paused & !cut_short { return; }
     steps.lanes[lane].stage = FINISHED;
@@ -83,7 +83,7 @@ fn spend_round() { rounds_left -= 1; }
 
 fn is_tired() -> bool { return rounds_left <= 0; }
 
-// Returns whether a tired traversal may pause at this link.
+// Returns whether a traversal without rounds left may pause at this link.
 fn is_step_over(link: u32) -> bool { return (link & LEAF) == 0u; }
 
 fn resume(hits: ptr<function, Hits>, stack: ptr<function, Stack>, top: ptr<function, i32>, link: ptr<function, u32>) {
@@ -119,7 +119,8 @@ fn is_put_off(asked: B) -> bool {
     return paused;
 }
 
-// Saves the sum over the lights so far; returns whether the loop will resume. Called only if lights remain.
+// Saves the sum over the lights so far; returns whether the loop will resume. The function is called only if lights
+// remain.
 fn keep_lights(sum: Light, light: u32) -> bool {
     if !is_tired() { return false; }
     steps.lanes[lane].sum = sum;

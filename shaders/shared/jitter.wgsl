@@ -4,8 +4,8 @@
 //! use frame, lane
 
 //! if jitter is rows
-// Returns the offset of a row's samples from their cells' centres, to the right, in cell widths. The rows of a pixel
-// take its SAMPLES_SIDE strata in the order of their hashes.
+// Returns the offset to the right of a row's samples from the centres of their cells, in cell widths. A pixel has
+// SAMPLES_SIDE rows. The order of their hashes assigns one stratum to each row.
 fn sample_aside(row: U) -> F {
     let first = row / U(SAMPLES_SIDE) * U(SAMPLES_SIDE);
     let own = row_hash(row);
@@ -25,7 +25,7 @@ fn row_hash(row: U) -> U {
     return hashed(row ^ hashed(U(frame.band.jitter_seed)));
 }
 
-// PCG (O'Neill 2014) as a hash of one word (Jarzynski & Olano 2020).
+// Hashes one word by PCG (O'Neill 2014; Jarzynski & Olano 2020).
 fn hashed(words: U) -> U {
     let state = words * 747796405u + 2891336453u;
     let word = ((state >> ((state >> U(28u)) + U(4u))) ^ state) * 277803737u;

@@ -1,4 +1,4 @@
-// Samples of a view, kept for the views that are made from it.
+// Samples of a source view, stored for the target views that reuse them.
 
 //! use lane, light, pixels, visibility
 
@@ -17,13 +17,13 @@ fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {
     );
 }
 
-// Stores that a pixel which was not wanted has no sample. It vouches for nothing.
+// Marks a pixel that was not wanted as a pixel without a sample. No target pixel reuses it.
 fn keep_no_sample(pixel: vec2u) {
     textureStore(kept_samples, pixel, vec4u(0u, MISS, MISS, 0u));
 }
 
 //! if samples is none
-// No method reuses visibility bits.
+// No visibility bits are reused, so no samples are stored.
 fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {}
 
 fn keep_no_sample(pixel: vec2u) {}

@@ -1,14 +1,14 @@
-// The rays of a lane, one or four. Traversal and shading are written once for both.
+// The rays of a lane: one or four. Traversal and shading are written once for both numbers.
 
 //! if rays is one
-// One thread a pixel: for GPUs.
+// One thread traces one pixel: for GPUs.
 
-alias F = f32;    // a number for each ray
+alias F = f32;    // one number for each ray
 alias U = u32;
 alias B = bool;
 
 const RAYS: u32 = 1u;
-// Pixels of a lane's block in x and y, and each ray's place in it.
+// Size of a lane's block in pixels, and the position of each ray in the block.
 const BLOCK: vec2u = vec2u(1u, 1u);
 const RAY_X: U = 0u;
 const RAY_Y: U = 0u;
@@ -32,15 +32,15 @@ fn bits_of(b: B) -> u32 { return select(0u, 1u, b); }
 fn with_bits(bits: u32) -> B { return (bits & 1u) != 0u; }
 
 //! if rays is four
-// Four rays, of a block of 2x2 pixels or of four list entries, on one stack: for CPU adapters. Loads are expensive
-// there, and one load serves all four rays (docs/TRAVERSAL.md).
+// A lane has four rays, from a block of 2x2 pixels or from four list entries, with one stack: for CPU adapters. Loads
+// are expensive there, and one load serves all four rays (docs/TRAVERSAL.md).
 
-alias F = vec4f;    // a number for each ray
+alias F = vec4f;    // one number for each ray
 alias U = vec4u;
 alias B = vec4<bool>;
 
 const RAYS: u32 = 4u;
-// Pixels of a lane's block in x and y, and each ray's place in it.
+// Size of a lane's block in pixels, and the position of each ray in the block.
 const BLOCK: vec2u = vec2u(2u, 2u);
 const RAY_X: U = vec4u(0u, 1u, 0u, 1u);
 const RAY_Y: U = vec4u(0u, 0u, 1u, 1u);
@@ -59,7 +59,7 @@ fn with_ray(f: F, ray: u32, value: f32) -> F { return select(f, F(value), RAY_IN
 fn with_ray_u(u: U, ray: u32, value: u32) -> U { return select(u, U(value), RAY_INDEX == U(ray)); }
 fn without_ray(b: B, ray: u32) -> B { return b & (RAY_INDEX != U(ray)); }
 
-// One bit for each ray.
+// Number of bits of a mask that has one bit for each ray.
 const RAY_BITS: u32 = 4u;
 fn bits_of(b: B) -> u32 { let n = select(U(0u), U(1u, 2u, 4u, 8u), b); return (n.x | n.y) | (n.z | n.w); }
 fn with_bits(bits: u32) -> B { return (U(bits) & U(1u, 2u, 4u, 8u)) != U(0u); }
@@ -98,7 +98,7 @@ fn pixel_of_ray(pixels: Pixels, ray: u32) -> vec2u {
     return vec2u(of_ray_u(pixels.x, ray), of_ray_u(pixels.y, ray));
 }
 
-// Written out, since the built-in functions also order NaN, which costs two more instructions each.
+// These functions replace min and max. The built-in functions also order NaN, which costs two more instructions each.
 fn smaller(a: F, b: F) -> F { return select(b, a, a < b); }
 fn larger(a: F, b: F) -> F { return select(b, a, a > b); }
 

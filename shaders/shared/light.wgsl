@@ -10,14 +10,14 @@ struct Surfaces {
     shading_normal: F3,     // unit, on the geometric normal's side
     albedo: F3,
     component: U,
-    reach: F,               // of triangles: at least the longest edge
+    reach: F,               // for triangles: at least the longest edge, world units
     specular: F3,
     exponent: F,
     emission: F3,
     sends: U,               // 1 for mirrors, glass and veils, which are shaded later
 }
 
-// Light that arrives at points: on a white diffuse surface, and as highlights sent to the eye.
+// Light that arrives at points: on a white diffuse surface, and as highlights that the surface sends to the eye.
 struct Light {
     diffuse: F3,
     shine: F3,
@@ -26,7 +26,7 @@ struct Light {
 fn no_light() -> Light { return Light(all3(vec3f(0.0)), all3(vec3f(0.0))); }
 
 //! if lights is some
-// A ray from a light to the points that a lane's rays hit.
+// Shadow rays from a light to the points that a lane's rays hit.
 struct ShadowRay {
     light: vec3f,
     end: F3,
@@ -35,17 +35,18 @@ struct ShadowRay {
 }
 
 //! end
-// A shadow ray ends off the surface, by these shares of the point's distance from the eye and from the world's origin.
-// The point's rounding grows with both. So the offsets hold for tiny scenes and far from the origin;
-// docs/ARCHITECTURE.md has the measurement.
+// A shadow ray ends at a small offset from the surface. The offset has these shares of the point's distance from the
+// eye and from the world's origin. The rounding error of the point grows with both distances. So the offset suits tiny
+// scenes and points far from the origin; docs/ARCHITECTURE.md has the measurement.
 const OFFSET_BY_DISTANCE: f32 = 1.0 / 131072.0;
 const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
-// A further share of the triangle's reach, since t's rounding grows with it. The reach is limited where eye and light
-// are so close to a triangle that t is computed in two f32 (LARGE). The limit is the reach of the largest triangle for
-// which f32 suffices.
+// The offset also grows with the triangle's reach, because the rounding error of t does. If the eye or light is so
+// close to a triangle that t is computed in two f32 (LARGE), the reach is limited. The limit is the reach of the
+// largest triangle for which f32 suffices.
 const OFFSET_BY_REACH: f32 = 1.0 / 4194304.0;
 
-// Returns the distance from its surface at which a ray begins that leaves a point seen from another one.
+// Returns the distance between a surface point and the origin of a ray that leaves it. The point was seen from
+// `from_point`.
 fn off_surface(point: vec3f, from_point: vec3f, reach: f32) -> f32 {
     let place = abs(point) * OFFSET_BY_PLACE + abs(point - from_point) * OFFSET_BY_DISTANCE;
     return max(max(place.x, place.y), place.z) + reach * OFFSET_BY_REACH;
@@ -57,7 +58,7 @@ struct Samples {
     depth: F,
     slot: U,
     component: U,
-    bits: U,      // of lights (visibility.wgsl)
+    bits: U,      // visibility bits of lights (visibility.wgsl)
 }
 
 // Returns the stored pixel of one ray, without marks.

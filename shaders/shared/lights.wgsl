@@ -1,5 +1,5 @@
-// Lights (DESIGN, section 3). visibility.wgsl says which points see a light, and soft.wgsl handles lights other than
-// points.
+// Lights (DESIGN, section 3). visibility.wgsl determines which points see a light, and soft.wgsl handles lights other
+// than point lights.
 
 //! use aims, counters, fetch, in_steps, lane, light, materials, shadows, soft, table, visibility
 
@@ -39,7 +39,7 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
         let distance = sqrt(dot3(from_light, from_light));
         let direction = times3(from_light, 1.0 / distance);
         let cosine = -dot3(surfaces.shading_normal, direction);
-        // No light arrives from behind the triangle itself, whatever a smooth normal says.
+        // Light from behind the triangle itself is excluded, even if a smooth normal faces the light.
         let faces = (cosine > F(0.0)) & (dot3(surfaces.geometric_normal, direction) < F(0.0)) & is_lit_here(surfaces);
         if any_ray(faces) {
             let lit = lit_by(light, faces, ShadowRay(position, add3(point, aside), direction, distance));
@@ -59,7 +59,7 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
 }
 
 //! if lights is none
-// Ambient light only.
+// There is only ambient light.
 fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
     return no_light();
 }

@@ -1,7 +1,7 @@
-// Linear colour beside the 8-bit one, if requested.
+// Linear colour, stored in addition to 8-bit colour if requested.
 
 //! if linear is kept
-// RGB and 1.
+// Linear RGB, with 1 as the fourth component.
 var<storage, read_write> linear_color: array<vec4f>;
 var<storage, read> source_linear: array<vec4f>;
 

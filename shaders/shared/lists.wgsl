@@ -1,4 +1,4 @@
-// Lists of right pixels and of tiles. The first three words of each head are an indirect dispatch.
+// Lists of target pixels and of tiles. The first three words of each head are the arguments of an indirect dispatch.
 
 //! use frame, lane, pixels, tiles, wanted
 
@@ -6,9 +6,9 @@ const TO_TRACE: u32 = 0u;     // pixels that need a primary ray
 const TO_LIGHT: u32 = 1u;     // pixels that need shadow rays only
 const TO_RESOLVE: u32 = 2u;   // tiles with a primitive or other work
 const SKY: u32 = 3u;          // tiles without any primitive
-// Heads of dispatches that `choose` runs whole or not at all.
+// Heads of dispatches that the kernel `choose` enables or disables as a whole.
 const TO_SEARCH: u32 = 4u;    // the tiles of a band
-const ALL_TRACED: u32 = 5u;   // its pixels
+const ALL_TRACED: u32 = 5u;   // the pixels of a band
 
 struct ListHead {
     workgroups_x: atomic<u32>,
@@ -22,9 +22,9 @@ struct Lists {
     entries: array<u32>,
 }
 
-// Returns the index of an entry. A tile is in at most one list. Of the two lists of pixels, the first has been traced
-// before the second gets an entry. So two lists share one range: one grows from its begin, the other backwards from its
-// end.
+// Returns the index of an entry. Two lists share one range of entries: one grows from the range's begin, the other
+// backwards from its end. Two lists of tiles fit, since a tile is in at most one of them. Two lists of pixels fit,
+// since TO_TRACE has been traced before TO_LIGHT gets an entry.
 fn place_in(list: u32, place: u32) -> u32 {
     let pixels = tiles_at_work() * TILE_PIXELS;
     let begin = select(0u, pixels, list >= TO_RESOLVE);
@@ -32,18 +32,18 @@ fn place_in(list: u32, place: u32) -> u32 {
     return select(begin + place, end - 1u - place, (list & 1u) == 1u);
 }
 
-// Number of entries of all four lists.
+// Number of entries of the four lists of pixels and tiles.
 fn lists_end() -> u32 {
     return tiles_at_work() * (TILE_PIXELS + 1u);
 }
 
 // Reserves consecutive entries for the pixels of a lane, so that neighbours are traced together. The order of the list
-// depends on the threads. The picture does not, since each entry writes its own pixel only.
+// depends on the threads. The picture does not depend on the order, since each entry writes its own pixel only.
 fn reserve(list: u32, count: u32) -> u32 {
     return reserve_for(list, count, LIST_WORKGROUP * RAYS);
 }
 
-// Does the same if a workgroup takes `workgroup` entries.
+// Reserves entries like `reserve`, for workgroups that take `workgroup` entries each.
 fn reserve_for(list: u32, count: u32, workgroup: u32) -> u32 {
     if count == 0u { return 0u; }
     let place = atomicAdd(&lists.heads[list].count, count);
@@ -80,7 +80,7 @@ fn listed_pixels(list: u32, thread: u32) -> ListedPixels {
     return ListedPixels(Pixels(index % width, index / width), wanted == U(1u));
 }
 
-// Returns the pixels of a thread in a launch over a list of tiles: its block of one of them.
+// Returns the pixels of a thread in a launch over a list of tiles: one block of one tile.
 fn listed_tile_pixels(list: u32, thread: u32) -> ListedPixels {
     let threads = TILE_PIXELS / RAYS;
     let count = atomicLoad(&lists.heads[list].count);
@@ -94,25 +94,25 @@ fn listed_tile_pixels(list: u32, thread: u32) -> ListedPixels {
     return ListedPixels(pixels, inside_rows(pixels) & (U(place) < U(count)));
 }
 
-// Behind the lists are the results of search_tiles: for each tile of the rows at work its bound and the lists of its
-// blocks.
+// The results of search_tiles follow the lists. Each tile of the rows at work has its bound, the lists of its blocks
+// and its busy lights.
 
-// Words of a block's list: the number of primitives, then their slots, with a bit for each of the four pixels that may
-// show it.
+// Number of words of a block's list. The first word is the number of primitives. Each other word is a slot, with a bit
+// for each of the four pixels that may show the primitive.
 const LIST_WORDS: u32 = 40u;
-const LIST_MOST: u32 = 39u;     // a block with more primitives is traced instead
+const LIST_MOST: u32 = 39u;     // maximum number of primitives; a block with more is traced instead
 const FIRST_PIXEL_BIT: u32 = 28u;
-// Words of a tile: the bits of its bound, the lists of its blocks, and its busy lights.
+// Number of words of a tile: the bits of its bound, the lists of its blocks, and its busy lights.
 const TILE_WORDS: u32 = 642u;
 const BUSY_WORD: u32 = 641u;
 
-// Returns where the results of a pixel's tile begin in `lists.entries`.
+// Returns the index in `lists.entries` at which the results of a pixel's tile begin.
 fn found_in_tile(pixel: vec2u) -> u32 {
     let row = (pixel.y - frame.band.row_begin) / TILE;
     return lists_end() + (row * tiles_across() + pixel.x / TILE) * TILE_WORDS;
 }
 
-// Returns where the list of one of the tile's blocks begins.
+// Returns the index at which the list of one of the tile's blocks begins.
 fn block_list(tile: u32, block: u32) -> u32 {
     return tile + 1u + block * LIST_WORDS;
 }

@@ -1,10 +1,10 @@
-// Marks of pixels of a view that is not traced. BAD: checked and rejected. MISSED: traced, since no sample landed. KEY:
-// bits for the key of the reused source pixel.
+// Marks of the pixels of a target view. BAD: the pixel was checked and rejected. MISSED: no sample landed, so the pixel
+// was traced. KEY: bits for the key of the reused source pixel.
 const BAD: u32 = 0x40000000u;
 const MISSED: u32 = 0x80000000u;
-// `bracket` only: some light needed a shadow ray.
+// For `bracket` only: some light of the pixel needed a shadow ray.
 const ASKED: u32 = 0x20000000u;
 const KEY: u32 = 0x1fffffffu;
 
-// No sample landed here.
+// Key of a pixel on which no sample landed.
 const EMPTY: u32 = 0u;

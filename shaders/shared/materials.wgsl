@@ -1,10 +1,11 @@
-// Materials: their texels in the shading table, behind the lights.
+// Materials, stored in the shading table after the lights.
 
 //! use aims, fetch, lane, light, table
 
-// Texels of a material. The first has albedo, and in w the texture's number plus one with the finish above it. The
-// second has the specular colour and Phong's exponent n, or -1 - n for normalised highlights. The third has emission
-// and opacity, the fourth transmission and index of refraction. If all materials are dull, only the first exists.
+// Texels of a material. The first has the albedo; its w has the texture's number plus one in the lower 24 bits and the
+// finish above. The second has the specular colour and Phong's exponent n, or -1 - n for normalised highlights. The
+// third has emission and opacity, the fourth transmission and the index of refraction. If all materials are dull, only
+// the first texel exists.
 const MATERIAL_ALBEDO: u32 = 0u;
 const MATERIAL_SPECULAR: u32 = 1u;
 const MATERIAL_EMISSION: u32 = 2u;
@@ -25,7 +26,7 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
 }
 
 //! if shine is some
-// Adds specular colour, exponent and emission.
+// Adds specular colour, exponent and emission to a surface.
 fn with_shine(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
     let specular = material_texel(material, MATERIAL_SPECULAR);
     let emission = material_texel(material, MATERIAL_EMISSION);
@@ -50,7 +51,7 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
 fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
     let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
     let n = aim.shading_normal;
-    // The mirrored direction to the light gives the same cosine as the direction from it.
+    // Mirrors the direction to the light about the normal. The cosine is the same as in `highlight`.
     let cosine = rays.x * n.x + rays.y * n.y + rays.z * n.z;
     let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
     let mirrored = 2.0 * cosine * dot(n, to_eye) - back;
@@ -59,8 +60,8 @@ fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u3
 }
 
 //! if shine is normalised
-// Like the above, where some highlights are normalised: those with an exponent below 0. Their colour is scaled so that
-// the whole lobe reflects its share of the incoming light (Lafortune & Willems 1994).
+// As above, for scenes in which some highlights are normalised: those with a negative exponent. Their colour is scaled
+// so that the whole lobe reflects its share of the incoming light (Lafortune & Willems 1994).
 fn with_shine(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
     let specular = material_texel(material, MATERIAL_SPECULAR);
     let emission = material_texel(material, MATERIAL_EMISSION);
@@ -90,7 +91,7 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
 fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
     let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
     let n = aim.shading_normal;
-    // The mirrored direction to the light gives the same cosine as the direction from it.
+    // Mirrors the direction to the light about the normal. The cosine is the same as in `highlight`.
     let cosine = rays.x * n.x + rays.y * n.y + rays.z * n.z;
     let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
     let mirrored = 2.0 * cosine * dot(n, to_eye) - back;
@@ -124,7 +125,7 @@ fn is_lit_here(surfaces: Surfaces) -> B {
 }
 
 //! if mirrors is listed
-// trace_mirrored computes the light of mirrors, glass and veils.
+// trace_mirrored computes the light of mirrors, glass and veils (partly transparent surfaces).
 fn is_lit_here(surfaces: Surfaces) -> B {
     return surfaces.there & (surfaces.sends == U(0u));
 }
@@ -138,14 +139,14 @@ fn sends_rays(material: u32) -> bool {
 const MIRROR: u32 = 1u;
 const GLASS: u32 = 2u;
 
-// How a surface sends rays on.
+// How a surface reflects and transmits rays.
 struct Finish {
-    kind: u32,            // 0: only its opacity counts
+    kind: u32,            // MIRROR, GLASS, or 0 if only the opacity matters
     fresnel: bool,
     opacity: f32,         // share of the background that it hides
     reflected: vec3f,
     transmission: vec3f,
-    index: f32,           // of refraction
+    index: f32,           // index of refraction
 }
 
 fn finish_of(material: u32) -> Finish {

@@ -1,4 +1,4 @@
-// Objects of the primitives in the BVH's order, four a texel.
+// Table of the primitives' objects, in the order of the BVH. A texel holds four entries.
 
 //! use fetch
 

@@ -1,5 +1,5 @@
-// Pixels: sentinels, the stored record of a pixel, and the mapping of threads to pixels. src/kernel/layout.rs has the
-// numbers too, and a test compares them.
+// Pixels: sentinels, the stored record of a pixel, and the mapping of threads to pixels. src/kernel/layout.rs defines
+// the same numbers, and a test compares them.
 
 //! use frame, lane
 
@@ -17,12 +17,13 @@ const LIST_WORKGROUP: u32 = 64u;
 struct Pixel {
     depth: f32,     // along the view axis; FAR: miss
     slot: u32,      // slot of the primitive that was hit; MISS: none
-    marks: u32,     // of views that are not traced: marks.wgsl
+    marks: u32,     // marks of target pixels (marks.wgsl)
     color: u32,     // 8-bit sRGB, red in the low byte, alpha 255
 }
 
-// Returns the position of a thread in a workgroup of 8x8. Eight consecutive threads, which software adapters run as one
-// vector, take a block of 4x2: their rays stay closer together than in a line of eight.
+// Returns the position of a thread, permuted within its workgroup of 8x8. Software adapters run eight consecutive
+// threads as one vector. These threads take a block of 4x2, whose rays are closer together than those of a line of
+// eight.
 fn pixel_in_tile(id: vec2u) -> vec2u {
     let tile = id & vec2u(0xfffffff8u);
     let x = (id.x & 3u) | ((id.y & 1u) << 2u);
@@ -31,8 +32,8 @@ fn pixel_in_tile(id: vec2u) -> vec2u {
 }
 
 // Returns the row of a thread in a dispatch over rows. A software adapter gives each of its threads one contiguous part
-// of the workgroups, and a core would be idle if half the picture is sky. So rows of workgroups are dealt like cards,
-// one to each part (z) in turn.
+// of the workgroups. If half the picture were sky, some cores would be idle. So rows of workgroups are distributed to
+// the parts (z) in turn.
 fn launched_row(id: vec3u) -> u32 {
     return (id.y / WORKGROUP * frame.band.runs + id.z) * WORKGROUP + id.y % WORKGROUP;
 }
@@ -49,7 +50,7 @@ fn outside(pixel: vec2u) -> bool {
 }
 
 // Returns the index of a pixel in a row-major buffer of one view's band. In all kernels rows count from the band's
-// first one; only ray directions use the picture's rows.
+// first row; only ray directions use the picture's rows.
 fn pixel_index(pixel: vec2u) -> u32 {
     return pixel.y * frame.band.size.x + pixel.x;
 }

@@ -1,6 +1,6 @@
-// Infinite planes. There are few, and they are in no box of the tree. They have the first slots, and every ray tests
-// all of them before traversal, which their hit then bounds. Their ids are the last, so at equal t a primitive of the
-// tree wins.
+// Infinite planes. They are few, and the tree's boxes do not contain them. Planes have the first slots. Every ray tests
+// all planes before traversal, and their nearest hit limits the traversal. Planes have the largest ids, so at equal t a
+// primitive of the tree wins.
 
 //! use bvh, camera, counters, double_float, fetch, in_steps, lane, pixels, primitive, primitives, rays, textures, tiles
 
@@ -21,22 +21,23 @@ fn met_at(slot: u32, rays: Rays) -> Found {
 }
 
 //! if planes is some
-// Texels of a plane: a point and its id; its unit normal and its component; the axis whose product with an offset is
-// the texture coordinate u, and its material.
+// Texels of a plane. The first has a point and the id, the second the unit normal and the component. The third has an
+// axis and the material. The dot product of the axis and an offset is the texture coordinate u.
 
-// A plane ends at this distance from a ray's origin. Rays sent on from farther hits could not test the tree's boxes.
+// Maximum distance of a plane's hit from the ray's origin. Rays sent on from farther hits could not test the tree's
+// boxes.
 const PLANE_REACH: f32 = 1e8;
 
-// Returns a plane's distance from a point, along its normal. It is computed in sums of two f32, since the plane's own
-// point may be far from the hit.
+// Returns the signed distance from a point to a plane, along the plane's normal. It is computed in sums of two f32,
+// since the plane's own point may be far from the hit.
 fn plane_above(slot: u32, origin: vec3f) -> f32 {
     let point = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);
     let normal = bitcast<vec3f>(primitive_texel(slot, 1u).xyz);
     return dot_two3(Two3(normal, vec3f(0.0)), difference3(point, origin)).hi;
 }
 
-// Intersects rays with a plane. Rays that begin in the plane or run along it miss it. t is below 0 if they go away from
-// it.
+// Intersects rays with a plane. Rays that begin in the plane or run along it miss it. t is negative for rays that point
+// away from the plane.
 fn intersect_plane(slot: u32, rays: Rays) -> Found {
     let above = plane_above(slot, rays.origin);
     let across = along(rays.direction, bitcast<vec3f>(primitive_texel(slot, 1u).xyz));
@@ -64,7 +65,7 @@ fn nearest_plane(rays: Rays, t_min: F, t_max: F) -> Hits {
     return hits;
 }
 
-// Returns whether anything is hit with t in [t_min, t_max].
+// Returns whether each ray hits anything with t in [t_min, t_max].
 fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
     return any_slot(rays, t_min, t_max) != U(MISS);
 }
@@ -79,10 +80,10 @@ fn plane_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return Surface(normal, normal, material, second.w, 0.0, vec3f(0.0), 0.0, dot(outward, direction) < 0.0);
 }
 
-// Returns a texture's colour on a plane. For a picture the footprint is that of lookup_at, without its limit on the
-// angle. A checkerboard is integrated over a box along its own axes, around the pixel's footprint. Towards the horizon
-// this is far longer than wide. Along a unit vector e of the plane a disc's footprint reaches sqrt(1 + (e.d / n.d)^2)
-// of its radius, with the ray's direction d.
+// Returns a texture's colour on a plane. For a picture the footprint is that of lookup_at, but the angle is not
+// limited. A checkerboard is integrated over a box that encloses the pixel's footprint, along the texture's axes. Near
+// the horizon the footprint is far longer than wide. Along a unit vector e in the plane, the footprint of a disc
+// extends to sqrt(1 + (e.d / n.d)^2) of its radius. Here d is the ray's direction.
 fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
     let slot = of_ray_u(hits.slot, ray);
     let point = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);
@@ -119,7 +120,7 @@ fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
     return Hits(hits.t, select(plane.primitive, hits.primitive, nearer), select(plane.slot, hits.slot, nearer));
 }
 
-// A ray that meets a plane skips the tree.
+// A ray that hits a plane skips the tree.
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     let plane = nearest_plane(rays, t_min, t_max);
     let open = plane.primitive == U(MISS);

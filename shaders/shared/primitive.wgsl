@@ -1,22 +1,22 @@
-// Primitives, as the tree's texels hold them and intersection needs them.
+// Primitives, as they are stored in texels and as intersection tests use them.
 
 //! use fetch
 
 //! if texels is corners or spheres
-// A primitive, as intersection needs it. A sphere has its centre in a and its radius in b.x.
+// A primitive for intersection tests. A sphere has its centre in a and its radius in b.x.
 struct Primitive {
     a: vec3f,
     b: vec3f,
     c: vec3f,
-    id: u32,          // in the scene's order
-    component: u32,   // connected component, from bit 1 on; IS_SPHERE
+    id: u32,          // id in the scene's order
+    component: u32,   // connected component from bit 1 on; bit 0: IS_SPHERE
     reach: f32,       // of a triangle: at least its longest edge
 }
 
 //! end
-// Lowest bit of a component: set for spheres, ellipsoids and planes, which are no triangles.
+// Lowest bit of a component. It is set for spheres, ellipsoids and planes, and not for triangles.
 const IS_SPHERE: u32 = 1u;
-// The material, in w of a primitive's third texel. Above it are the upper 16 bits of a triangle's reach.
+// Mask of the material in w of a primitive's third texel. Above it are the upper 16 bits of a triangle's reach.
 const MATERIAL: u32 = 0x0000ffffu;
 
 fn reach_of(word: u32) -> f32 {
@@ -24,8 +24,8 @@ fn reach_of(word: u32) -> f32 {
 }
 
 //! if texels is ellipsoids
-// A primitive, as intersection needs it. An ellipsoid has its centre in a. The rows b, c and d form the matrix that
-// maps offsets from this centre to offsets from the sphere's centre. The rows are orthogonal, each along a semi-axis
+// A primitive for intersection tests. An ellipsoid has its centre in a. The rows b, c and d form the matrix that maps
+// offsets from this centre to offsets from the sphere's centre. The rows are orthogonal, each along a semi-axis
 // (src/scene/ellipsoid.rs). So rounding in a product with one row moves a point along that semi-axis only, by no more
 // than the offset's own rounding.
 struct Primitive {
@@ -33,12 +33,12 @@ struct Primitive {
     b: vec3f,
     c: vec3f,
     d: vec3f,
-    id: u32,          // in the scene's order
-    component: u32,   // connected component, from bit 1 on; IS_SPHERE
+    id: u32,          // id in the scene's order
+    component: u32,   // connected component from bit 1 on; bit 0: IS_SPHERE
     reach: f32,       // of a triangle: at least its longest edge; of an ellipsoid: the sphere's radius
 }
 
-// Reads four texels: these vectors in xyz, with id, component, material and radius in w.
+// Reads a primitive's four texels. Their xyz are a, b, c and d; their w are id, component, material and radius.
 fn primitive_at(slot: u32) -> Primitive {
     let first = primitive_texel(slot, 0u);
     let second = primitive_texel(slot, 1u);
@@ -72,7 +72,7 @@ fn primitive_at(slot: u32) -> Primitive {
 }
 
 //! if texels is spheres
-// Centre and id, then radius and component, in texels like those of a triangle.
+// A sphere has centre and id in its first texel, radius and component in its second. The layout is that of triangles.
 fn primitive_at(slot: u32) -> Primitive {
     let first = primitive_texel(slot, 0u);
     let second = primitive_texel(slot, 1u);

@@ -1,5 +1,5 @@
-// The scene's primitives, behind one set of names. In scenes with ellipsoids, spheres are ellipsoids too:
-// ellipsoid.wgsl.
+// Common functions for all kinds of primitives. In scenes with ellipsoids, spheres are stored as ellipsoids
+// (ellipsoid.wgsl).
 
 //! use cutouts, ellipsoid, fetch, lane, primitive, rays, sphere, triangle
 
@@ -43,13 +43,14 @@ fn surface_in_tree(rays: Rays, hits: Hits, ray: u32) -> Surface {
 }
 
 //! if primitives is mixed
-// The lowest bit of the second texel's w tells spheres from triangles.
+// The lowest bit of the second texel's w distinguishes spheres from triangles.
 
 fn is_sphere(primitive: Primitive) -> bool {
     return (primitive.component & IS_SPHERE) != 0u;
 }
 
-// Runs both tests and selects: software adapters run both sides of a branch anyhow, and a select is cheaper.
+// Runs both tests and selects a result. Software adapters run both sides of a branch in any case, and a select is
+// cheaper.
 fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
     let sphere = intersect_sphere(rays, scales, primitive, t_min);
     let triangle = at_first_look(primitive, intersect_triangle(rays, scales, primitive));

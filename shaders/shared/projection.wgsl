@@ -1,4 +1,4 @@
-// Volumes of tiles: what their rays see, as planes through the eye. Projections of boxes and primitives onto tiles.
+// Frusta of tiles, bounded by planes through the eye, and projections of boxes and primitives onto tiles.
 
 //! use boxes, counters, ellipsoid, fetch, frame, jitter, planes, primitive, primitives, tiles, triangle
 
@@ -45,7 +45,8 @@ fn most(child: Child, v: vec3f) -> f32 {
     return m.x + m.y + m.z;
 }
 
-// Has no short circuits, which would be branches.
+// Returns whether a box may meet a tile's frustum up to a depth limit. The function has no short circuits, which would
+// be branches.
 fn meets_frustum(child: Child, projection: Projection, limit: f32) -> bool {
     let across = min(most(child, projection.left_plane), most(child, projection.right_plane));
     let down = min(most(child, projection.top_plane), most(child, projection.bottom_plane));
@@ -53,15 +54,15 @@ fn meets_frustum(child: Child, projection: Projection, limit: f32) -> bool {
     return (min(min(across, down), ahead) >= 0.0) & (-most(child, -projection.forward) <= limit);
 }
 
-// Returns the first and last column and row of the tile's pixels, from its corner, whose centres a primitive may cover.
-// If a first exceeds its last, there is none.
+// Returns the range of a tile's pixels whose centres a primitive may cover: first column, first row, last column, last
+// row. Coordinates count from the tile's corner. If a first value exceeds its last one, the range is empty.
 fn covered_pixels(primitive: Primitive, projection: Projection, tile: Tile) -> vec4i {
     let bounds = projected_bounds(primitive, projection);
     let corner = vec2f(tile.corner) + 0.5;
     let most = vec2f(tile.size) - 1.0;
     let first = ceil(clamp(bounds.xy - frame.eyes.wider - corner, vec2f(0.0), most + 1.0));
     let last = floor(clamp(bounds.zw + frame.eyes.wider - corner, vec2f(-1.0), most));
-    // Rejects columns past the last one.
+    // If the range of columns is empty, the range of rows is made empty too.
     let none = first.x > last.x;
     return vec4i(i32(first.x), select(i32(first.y), i32(TILE), none), i32(last.x), select(i32(last.y), -1, none));
 }
@@ -82,7 +83,7 @@ fn projected_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return sphere_bounds(primitive, projection);
 }
 
-// A sphere has no edges, so its bounds suffice.
+// A sphere has no edges, so its projected bounds suffice.
 fn blocks_within_edges(primitive: Primitive, tile: Tile) -> u32 {
     return ALL_BLOCKS;
 }
@@ -98,8 +99,8 @@ fn blocks_within_edges(primitive: Primitive, tile: Tile) -> u32 {
 }
 
 //! end
-// Returns the least and largest column and row of a triangle's projection; EVERYWHERE if it reaches the plane of the
-// eyes.
+// Returns the smallest and largest column and row of a triangle's projection. The result is EVERYWHERE if the triangle
+// reaches the plane through the eye and perpendicular to the view axis.
 fn triangle_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let a = primitive.a - frame.eyes.target_eye;
     let b = primitive.b - frame.eyes.target_eye;
@@ -132,7 +133,7 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let normal_a = edge_normal(b, c);
     let normal_b = edge_normal(c, a);
     let normal_c = edge_normal(a, b);
-    // A plane's value is linear in column and row. It starts at the middle of the first block.
+    // The value of a plane's equation is linear in column and row. It is computed at the middle of the first block.
     let middle = vec2f(tile.corner) + 1.0;
     let first = frame.eyes.target_corner + frame.eyes.step_x * middle.x + frame.eyes.step_y * middle.y;
     let values = vec3f(dot(normal_a, first), dot(normal_b, first), dot(normal_c, first));
@@ -146,8 +147,8 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
         dot(normal_b, frame.eyes.step_y),
         dot(normal_c, frame.eyes.step_y),
     );
-    // How much it changes from a block's middle to its farthest pixel centre. Rays that intersect_triangle may find
-    // uncertain count as possible hits.
+    // `reach` bounds the change of a plane's value from a block's middle to its farthest pixel centre. Rays that
+    // intersect_triangle may find uncertain count as possible hits.
     let doubtful = frame.eyes.longest * (sqrt(dot(a, a)) + primitive.reach) * primitive.reach * (2.0 * DOUBT);
     let rounding = vec3f(
         components(normal_a),
@@ -174,13 +175,13 @@ fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
 }
 
 //! end
-// Slopes of tangent planes are divided by the ball's distance to the plane of the eyes. Below this share of its
-// distance and size, rounding is too large.
+// Minimum depth of the near side of a sphere or ellipsoid, as a share of its distance and size. The slopes of tangent
+// planes have small divisors at smaller depths, so their rounding error is too large.
 const NEAR_PLANE: f32 = 1.0 / 8.0;
 
 //! if texels is corners or spheres
-// Returns the least and largest column and row of a sphere's projection; EVERYWHERE if it comes close to the plane of
-// the eyes. The bounds are tangents in the planes of columns and of rows.
+// Returns the smallest and largest column and row of a sphere's projection. The result is EVERYWHERE if the sphere
+// comes close to the plane of the eye. The bounds are tangents in the planes of columns and of rows.
 fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let center = primitive.a - frame.eyes.target_eye;
     let radius = primitive.b.x;
@@ -204,12 +205,13 @@ fn tangents(across: f32, z: f32, radius: f32) -> vec2f {
 }
 
 //! if texels is ellipsoids
-// Returns the least and largest column and row of an ellipsoid's projection; EVERYWHERE if it comes close to the plane
-// of the eyes. The bounds are tangent planes through the eye, along the picture's columns and rows.
+// Returns the smallest and largest column and row of an ellipsoid's projection. The result is EVERYWHERE if the
+// ellipsoid comes close to the plane of the eye. The bounds are tangent planes through the eye, along the picture's
+// columns and rows.
 fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let center = primitive.a - frame.eyes.target_eye;
     let up = cross(frame.eyes.right_axis, projection.forward);
-    // The lengths of these vectors are its extents along the axes.
+    // The length of a vector from half_widths is the ellipsoid's extent along that axis.
     let forward = half_widths(primitive, projection.forward);
     let z = dot(center, projection.forward);
     let depth = length(forward);
@@ -230,11 +232,11 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
 }
 
 //! if planes is some
-// Share of the length of a tile's longest ray. It exceeds the rounding of a ray's speed of approach to a plane.
+// Tolerance of a ray's speed of approach to a plane, as a share of the longest direction. It exceeds the rounding.
 const PLANE_SLACK: f32 = 1.0 / 524288.0;
 
 // Returns whether some ray of a tile may meet a plane. The speed of approach is linear in column and row, so it is
-// largest in a corner. The loop has no return, since llvmpipe's OpenGL returns the value behind the loop then.
+// largest in a corner. The loop has no return, since llvmpipe's OpenGL would then return the value behind the loop.
 fn meets_planes(tile: Tile) -> bool {
     // Jittered samples are offset along their rows.
     let aside = vec2f(jitter_reach(), 0.0);

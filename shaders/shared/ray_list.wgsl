@@ -1,5 +1,5 @@
-// A list of rays, two texels each: direction and t_min, then origin and t_max. The rays of a lane have one origin.
-// frame.band.size.x is the number of rays.
+// A list of rays. Each ray has two texels: direction and t_min, then origin and t_max. The rays of a lane have one
+// origin. frame.band.size.x is the number of rays.
 
 //! use fetch, frame, lane, rays
 

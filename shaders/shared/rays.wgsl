@@ -1,4 +1,4 @@
-// The rays of a lane, and what they hit.
+// The rays of a lane and their hits.
 
 //! use lane
 
@@ -10,7 +10,7 @@ struct Rays {
 
 // Values of a lane's rays that intersection tests share.
 struct Scales {
-    length: F,               // of the direction
+    length: F,               // length of the direction
     per_length_squared: F,
 }
 
@@ -24,18 +24,20 @@ struct Hits {
 // The result of intersecting a lane's rays with one primitive.
 struct Found {
     hit: B,
-    t: F,          // at the hit
-    doubtful: B,   // uncertain: look_again decides
+    t: F,          // t of the hit
+    doubtful: B,   // uncertain: the second test (look_again) decides
 }
 
-// Uncertain primitives, deferred to their second look, as slot << RAY_BITS with a bit for each uncertain ray; 0 for
-// none. There are two, since a ray that is uncertain at a triangle mostly is at a neighbour too.
+// Up to two primitives deferred to a second test. An entry is slot << RAY_BITS with a bit for each uncertain ray, or 0
+// for none. There are two entries, since a ray that is uncertain for a triangle is mostly uncertain for a neighbour
+// too.
 struct PutOff {
     last: u32,
     before: u32,
 }
 
-// t_max of a ray that is not traced, and t of a ray that any_hit has finished. It lies before every box.
+// t_max of a ray that is not traced, and t of a ray that any_hit has finished. It is smaller than the entry of every
+// box.
 const NEVER: f32 = -3.402e38;
 
 // Returns the dot product of each direction with a vector.
@@ -59,10 +61,11 @@ struct Surface {
     shading_normal: vec3f,     // unit, on the geometric normal's side
     material: u32,
     component: u32,            // connected component
-    reach: f32,                // of a triangle: at least its longest edge; of a ball: 0
-    outward: vec3f,            // of a ball: unit, from its centre, as if it were a sphere
-    radius: f32,               // of a ball
-    // Whether the ray comes from the side on which the corners run counterclockwise, or from outside a ball.
+    reach: f32,                // for triangles: at least the longest edge; otherwise 0
+    outward: vec3f,            // for spheres and ellipsoids: unit, from the centre, in the sphere's space
+    radius: f32,               // of a sphere; for ellipsoids see radius_there
+    // Whether the ray comes from the side on which a triangle's corners run counterclockwise. For other primitives,
+    // whether it comes from outside.
     from_outside: bool,
 }
 
@@ -70,17 +73,17 @@ fn towards_viewer(normal: vec3f, direction: vec3f) -> vec3f {
     return select(normal, -normal, dot(normal, direction) > 0.0);
 }
 
-// At equal t the smallest id wins, in any order of tests.
+// Returns whether a hit is nearer than the stored one. At equal t the smallest id wins, in any order of tests.
 fn is_nearer(hits: Hits, t: F, t_min: F, id: u32) -> B {
     return (t >= t_min) & ((t < hits.t) | ((t == hits.t) & (U(id) < hits.primitive)));
 }
 
-// Returns whether a third primitive must wait until the deferred ones are settled.
+// Returns whether no entry is left for a deferred primitive, so that the deferred ones must be tested again first.
 fn is_too_many(put_off: PutOff, doubted: u32) -> bool {
     return doubted != 0u && put_off.before != 0u;
 }
 
-// Adds a deferred primitive for the given rays; returns the same if there are none.
+// Defers a primitive for the rays of the mask `doubted`; returns `put_off` unchanged if the mask is 0.
 fn put_off_also(put_off: PutOff, slot: u32, doubted: u32) -> PutOff {
     let is_more = doubted != 0u;
     return PutOff(

@@ -1,17 +1,17 @@
-// A tile's search, for tiles of any size. It gathers leaves of the BVH for the kernel's own keep_primitive and
-// list_kept. The kernel's `steps` and MOST_STEPS limit it.
+// The search of a tile's frustum for primitives, for tiles of any size. It gathers leaves of the BVH, which the
+// kernel's keep_primitive and list_kept process. The kernel's `steps` and MOST_STEPS limit the search.
 
 //! use boxes, camera, counters, fetch, in_steps, projection, tiles
 
-// Between two samples a surface may lie slightly deeper than both.
+// Factor on the depth bound: between two samples a surface may lie slightly deeper than both.
 const BETWEEN: f32 = 1.001;
-// The search goes slightly deeper than the bound, because of rounding.
+// Factor on the depth limit: the search goes slightly deeper than the bound, because of rounding.
 const DEEPER: f32 = 1.0001;
-// Leaves gathered before their primitives are tested.
+// Maximum number of leaves gathered before their primitives are tested.
 const LEAVES: u32 = 32u;
-// Links to follow grow from index 0 upwards, leaves from here downwards.
+// Index of the first leaf in `links`. Links to follow grow from index 0 upwards, leaves from this index downwards.
 const FIRST_LEAF: u32 = STACK_SIZE + LEAVES - 1u;
-// Primitives kept before they are listed in their blocks together.
+// Maximum number of primitives kept before they are all listed in their blocks.
 const KEPT: u32 = 64u;
 
 // Side, in samples, of the square that search_wide_tiles searches at once: four tiles.
@@ -20,7 +20,7 @@ const WIDE_TILE: u32 = 16u;
 // A primitive that may cover a pixel's centre in a tile.
 struct Covering {
     slot: u32,
-    blocks: u32,   // a bit for each; from FIRST_SIDE_BIT on first column and row, then last ones, 3 bits each
+    blocks: u32,   // a bit per block; from FIRST_SIDE_BIT on first column and row, last column and row, 3 bits each
 }
 
 const FIRST_SIDE_BIT: u32 = 16u;
@@ -45,7 +45,7 @@ fn search(tile: Tile, found: u32, limit: f32) {
             let b = child_at(place, 1u, offsets);
             let met_a = meets_frustum(a, projection, limit);
             let met_b = meets_frustum(b, projection, limit);
-            // Written whether met or not: entries behind the ends do not count.
+            // Links are written even if their box is missed: entries behind the ends do not count.
             let leaf_a = (a.link & LEAF) != 0u;
             links[select(top + 1u, FIRST_LEAF - gathered, leaf_a)] = a.link;
             top += select(0u, 1u, met_a & !leaf_a);

@@ -3,7 +3,7 @@
 
 //! use bvh, lane, light, lights, pixels, planes, rays, shadow_buffer, sky, soft, surfaces, visibility
 
-// Traces and shades primary rays from an eye. Rays that are not wanted see the sky.
+// Traces and shades primary rays from an eye. Unwanted rays get the sky's colour.
 fn trace_pixels(rays: Rays, wanted: B) -> Samples {
     let hits = closest_hit(rays, F(0.0), select(F(NEVER), F(FAR), wanted));
     return shade(rays, hits, surfaces_at(rays, hits));

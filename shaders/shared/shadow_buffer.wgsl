@@ -3,19 +3,19 @@
 
 //! use angles, fetch, lane, light, pixels, rays, shadows
 
-// In place of a texel's slot: nothing is known of its direction.
+// Stored in place of a texel's slot if the visibility in its direction is unknown.
 const UNFILLED: u32 = 0xfffffffeu;
-// Added to a texel's slot: something may stand before the plane of the primitive that it shows.
+// Bit of a texel's slot: an occluder may lie in front of the plane of the primitive that the texel shows.
 const SOMETHING_BEFORE: u32 = 0x80000000u;
 // Rounding of planes and points, as a share of the distance from the light.
 const ON_PLANE: f32 = 4e-6;
 
 //! if shadow_buffer is object or depth or hybrid
-// One layer per light. Each texel holds t as bits and the slot, or the result of read_texels.wgsl. The row behind the
-// last one describes the directions: src/render/shadow_buffer.rs.
+// There is one layer per light. Each texel has the bits of t and the slot, or the result of read_texels.wgsl. An
+// additional last row describes the directions (src/render/shadow_buffer.rs).
 var shadow_buffers: texture_2d_array<u32>;
 
-// Arguments of lit_by besides the ray.
+// Data of the surfaces that lit_by needs in addition to its arguments.
 var<private> asked_normal: F3;      // unit, geometric, towards the viewer
 var<private> asked_component: U;
 
@@ -24,7 +24,8 @@ fn ask_tables(surfaces: Surfaces) {
     asked_component = surfaces.component;
 }
 
-// Answer of a light's table for each point. If not `unknown`, it is the slot of the occluder, or MISS.
+// Visibility of a light at each point by the light's table. Unless `unknown`, `occluders` has the occluder's slot, or
+// MISS if the light is visible.
 struct Said {
     unknown: B,
     occluders: U,
@@ -35,9 +36,9 @@ struct Directions {
     layer: u32,
     rows: i32,
     columns: i32,
-    whole: bool,         // all directions: columns wrap around
-    theta_begin: f32,    // of the first row, radians
-    theta_step: f32,     // per row
+    whole: bool,         // whether the table has all directions, so that columns wrap around
+    theta_begin: f32,    // theta of the first row, radians
+    theta_step: f32,     // theta per row, radians
     phi_begin: f32,
     phi_step: f32,
     axis_x: vec3f,
@@ -98,7 +99,7 @@ fn turned(table: Directions, v: F3) -> F3 {
     return F3(along(v, table.axis_x), along(v, table.axis_y), along(v, table.axis_z));
 }
 
-// Return row and column, in texels, of directions in the table's axes.
+// These functions return the row and the column, in texels, of directions in the table's axes.
 fn table_row(table: Directions, v: F3) -> F {
     return (arctangent(sqrt(v.x * v.x + v.y * v.y), v.z) - table.theta_begin) / table.theta_step;
 }
@@ -108,7 +109,7 @@ fn table_column(table: Directions, v: F3) -> F {
     return (select(phi, phi + 6.2831853, (phi < F(0.0)) & B(table.whole)) - table.phi_begin) / table.phi_step;
 }
 
-// Returns the texel at a row and column. Columns wrap around.
+// Returns the texel at a row and column, or UNFILLED outside the table. Columns of a whole table wrap around.
 fn texel_of(table: Directions, row: i32, column: i32) -> vec4u {
     let last = vec2i(table.columns, table.rows) - 1;
     let around = select(column, (column + table.columns) % table.columns, table.whole);
@@ -134,7 +135,7 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
             let hidden = is_hidden_by(texel, table.theta_step, ray, index);
             if texel.y != UNFILLED {
                 said.unknown = without_ray(said.unknown, index);
-                // An empty texel has no slot to name as the occluder.
+                // An empty texel has no slot, so UNFILLED stands for its occluder.
                 said.occluders = with_ray_u(said.occluders, index, select(MISS, min(texel.y, UNFILLED), hidden));
             }
         }
@@ -145,7 +146,7 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
 }
 
 //! if shadow_buffer is object
-// Returns whether another object, or none, is the nearest one.
+// Returns whether the texel shows another object than the point's, or no object.
 fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
     if texel.y >= UNFILLED { return true; }
     return primitive_texel(texel.y, 1u).w != of_ray_u(asked_component, index);
@@ -153,7 +154,7 @@ fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
 
 //! if shadow_buffer is depth
 // Returns whether the nearest surface is nearer than the point by more than a bias. The bias is BUFFER_MARGIN texel
-// widths there, and more for slanted surfaces.
+// widths at the point's distance, and more for slanted surfaces.
 fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
     let cosine = clamp(-dot(of_ray3(asked_normal, index), of_ray3(ray.direction, index)), 1e-3, 1.0);
     let slope = sqrt(1.0 - cosine * cosine) / cosine;
@@ -162,14 +163,14 @@ fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
 }
 
 //! if shadow_buffer is hybrid
-// Texels looked up for a point: the one that contains its direction, and the nearest one across a corner.
+// Number of texels looked up for a point: the texel that contains its direction, and the nearest diagonal neighbour.
 const ASKED_TEXELS: u32 = 2u;
-// Least cosine between the normals of a point and of its texel's surface, if both are one surface.
+// Minimum cosine between the normals of a point and of its texel's surface, if both count as one surface.
 const LOOKS_ALIKE: f32 = 0.8;
 
-// A point is hidden if its ray hits the primitive of one of its texels, or of the other points of the lane: that is
-// proof. Of the other points, those on the plane of their texel's primitive, or behind it within the margin, are lit,
-// if nothing stands before that plane. Else the answer is unknown.
+// A point is hidden if its ray hits the primitive of one of its texels, or of the texels of the lane's other points.
+// Otherwise the point is lit if it lies on the plane of its texel's primitive, or behind the plane within the margin.
+// This requires that nothing lies in front of that plane. In all other cases the result is unknown.
 fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     var said = Said(wanted, U(MISS));
     if !has_table(light) { return said; }
@@ -202,8 +203,8 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
         if turn == 0u {
             let size = ray.distance * sqrt(dot3(planes, planes));
             let is_clear = shown < U(SOMETHING_BEFORE);
-            // Shadow rays end off their surfaces, before the plane. On a ball's near side they end before the plane of
-            // its outline, since its far side lies behind that plane.
+            // Shadow rays end off their surfaces, in front of the plane. On a sphere's near side they end in front of
+            // the plane of its outline, since its far side lies behind that plane.
             on = is_clear & (behind <= 0.25 * ON_PLANE * size);
             // A curved surface lies slightly behind its texel's plane and has a similar normal.
             let alike = -dot3(planes, asked_normal) * ray.distance >= LOOKS_ALIKE * size;
@@ -218,9 +219,9 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     return said;
 }
 
-// Adds the unknown points that one of these primitives hides, one per open point. Points that a plane shows as lit test
-// their own primitive only: a margin tolerates more than rays do, and the picture must not depend on which points share
-// a lane. For the others a ray would give the same answer.
+// Tests the unknown points against the primitives of the given slots, one primitive per round. Points that a plane
+// shows as lit test their own primitive only. The margin tolerates more than rays do, and the picture must not depend
+// on which points share a lane. For other points a shadow ray would give the same result.
 fn with_proof(before: Said, asked: B, slots: U, lit: B, ray: ShadowRay) -> Said {
     var said = before;
     var open = asked;
@@ -242,7 +243,8 @@ fn ask_tables(surfaces: Surfaces) {}
 fn hidden_from(light: u32, ray: ShadowRay, wanted: B) -> U { return occluders_of(ray, wanted); }
 
 //! if shadow_buffer is object or depth or hybrid
-// Returns the occluders of a light at points, by its table. Only points that the table leaves unknown trace rays.
+// Returns the occluders of a light at points, according to its table. Shadow rays are traced only for points that the
+// table leaves unknown.
 fn hidden_from(light: u32, ray: ShadowRay, wanted: B) -> U {
     let said = said_by_table(light, wanted, ray);
     if !any_ray(said.unknown) { return said.occluders; }

@@ -6,7 +6,7 @@
 //! use shadow_buffer, t_buffer, tiles, triangle
 
 //! if canvas is middles or texels
-// A table is drawn on without a projection.
+// A shadow-buffer needs no projection. This type is a placeholder.
 alias Canvas = u32;
 
 fn canvas_at_work() -> Canvas { return 0u; }
@@ -29,8 +29,8 @@ struct Shown {
     slot: u32,
 }
 
-// Returns the nearer of the T-buffer's two words and the nearest plane. At equal t the primitive of the tree wins: its
-// id is smaller.
+// Returns the nearer of two hits: that of the T-buffer's two words and that of the nearest plane. At equal t the
+// primitive of the tree wins, since its id is smaller.
 fn shown_at(drawn: vec2u, nearest: Hits, ray: u32) -> Shown {
     let t = bitcast<f32>(~drawn.x);
     if drawn.x != 0u && t <= of_ray(nearest.t, ray) { return Shown(t, select(drawn.y - 1u, UNFILLED, drawn.y == 0u)); }
@@ -44,18 +44,18 @@ fn count_test(place: vec2u) {
     atomicAdd(&counters[PRIMITIVES_TESTED], 1u);
 }
 
-// Returns an upper bound, in texels, of the rounding of angles and places in the table.
+// Returns an upper bound, in texels, of the rounding of angles and positions in the table.
 fn slack_of_places() -> f32 { return 0.02 + 4e-6 / frame.mapping.theta_step; }
 
 // A cone of directions from the light that contains a primitive.
 struct Cap {
     axis: vec3f,      // unit
-    radius: f32,      // radians; ALL_AROUND: it may lie anywhere
-    sine: f32,        // of the radius
+    radius: f32,      // radians; ALL_AROUND: the primitive may lie in any direction
+    sine: f32,        // sine of the radius
 }
 
 const ALL_AROUND: f32 = 4.0;
-// Exceeds the rounding of caps, radians.
+// Upper bound of the rounding of cones, radians.
 const CAP_SLACK: f32 = 4e-6;
 
 fn cap_around(axis: vec3f, sine: f32, cosine: f32, is_narrow: bool) -> Cap {
@@ -67,7 +67,7 @@ fn cap_around(axis: vec3f, sine: f32, cosine: f32, is_narrow: bool) -> Cap {
     );
 }
 
-// For wider triangles the corners' mean direction says little.
+// Maximum chord of a narrow cone. For wider triangles the corners' mean direction is a poor axis.
 const WIDEST_CHORD: f32 = 1.2;
 
 // Returns a cone around the sum of the corners' directions. A cone narrower than a hemisphere contains the triangle if
@@ -77,7 +77,7 @@ fn triangle_cap(primitive: Primitive) -> Cap {
     let b = normalize(primitive.b - eye_point());
     let c = normalize(primitive.c - eye_point());
     let axis = normalize(a + b + c);
-    // By chords, since a small angle's cosine is inexact.
+    // The radius is computed from chords, since a small angle's cosine is inexact.
     let chord = max(length(a - axis), max(length(b - axis), length(c - axis)));
     let is_narrow = chord < WIDEST_CHORD;
     let half = 0.5 * select(0.0, chord, is_narrow);
@@ -85,7 +85,8 @@ fn triangle_cap(primitive: Primitive) -> Cap {
     return cap_around(axis, 2.0 * half * sqrt(rest), rest - half * half, is_narrow);
 }
 
-// Returns the cone of a ball. For an ellipsoid it is that of the sphere around it.
+// Returns the cone of directions from the light that contains a sphere. An ellipsoid uses the cone of its enclosing
+// sphere.
 fn ball_cap(primitive: Primitive) -> Cap {
     let center = primitive.a - eye_point();
     let distance = length(center);
@@ -96,7 +97,7 @@ fn ball_cap(primitive: Primitive) -> Cap {
 
 fn angle_of(sine: f32, cosine: f32) -> f32 { return of_ray(arctangent(F(sine), F(cosine)), 0u); }
 
-// Ranges of angles, radians; phi from the table's begin.
+// Ranges of angles, radians. phi counts from the table's first column.
 struct Angles {
     theta: vec2f,
     phi: vec2f,
@@ -108,17 +109,18 @@ fn angles_of(cap: Cap) -> Angles {
     let y = dot(cap.axis, frame.mapping.axis_y);
     let aside = sqrt(x * x + y * y);
     let theta = angle_of(aside, dot(cap.axis, frame.mapping.axis_z));
-    // Around a pole any azimuth is possible.
+    // If the cone contains a pole, any azimuth is possible.
     let has_pole = cap.radius >= theta - CAP_SLACK || cap.radius >= 3.1415926 - theta - CAP_SLACK;
     let sine = min(cap.sine / max(aside, 1e-9), 1.0);
-    // Near 1 the cosine rounds by more than the sine.
+    // For a sine near 1, rounding affects the cosine more than the sine.
     let wide = angle_of(sine, sqrt((1.0 - sine) * (1.0 + sine))) + 2e-3 * sine * sine * sine + CAP_SLACK;
     let phi = angle_of(y, x) - frame.mapping.phi_begin;
     return Angles(vec2f(theta - cap.radius, theta + cap.radius), vec2f(phi - wide, phi + wide), has_pole);
 }
 
-// Returns the angles of a triangle. If its cone contains no pole, they are those of its corners, and the theta where an
-// edge's great circle comes nearest to a pole. So needles cover no more texels than necessary.
+// Returns the ranges of angles of a triangle. If its cone contains no pole, they are the ranges of its corners. They
+// include the theta at which an edge's great circle comes nearest to a pole. So thin triangles cover no more texels
+// than necessary.
 fn triangle_angles(primitive: Primitive) -> Angles {
     let around = angles_of(triangle_cap(primitive));
     if around.all_around { return around; }
@@ -136,7 +138,7 @@ fn triangle_angles(primitive: Primitive) -> Angles {
     return Angles(vec2f(first, last), vec2f(low, high), false);
 }
 
-// Returns the phi of a direction in the axes, at most half a turn from another one.
+// Returns the phi of a direction in the table's axes, at most half a turn from `middle`.
 fn phi_beside(v: vec3f, middle: f32) -> f32 {
     let phi = angle_of(v.y, v.x) - frame.mapping.phi_begin;
     return phi - TURN * floor((phi - middle) / TURN + 0.5);
@@ -144,9 +146,9 @@ fn phi_beside(v: vec3f, middle: f32) -> f32 {
 
 const TURN: f32 = 6.2831853;
 
-// Returns the least and largest theta of an edge between two unit vectors in the axes. If it rises from both ends, or
-// falls from both, it turns between them. Its distance from the pole there is that of its plane's normal from the
-// equator.
+// Returns the smallest and largest theta of an edge between two unit vectors in the table's axes. If theta falls from
+// both ends towards the middle, or rises from both, its extremum lies between them. The extremum's distance from the
+// pole is the distance of the normal of the edge's plane from the equator.
 fn thetas_of(a: vec3f, b: vec3f) -> vec2f {
     let from_a = angle_of(length(a.xy), a.z);
     let from_b = angle_of(length(b.xy), b.z);
@@ -159,8 +161,9 @@ fn thetas_of(a: vec3f, b: vec3f) -> vec2f {
     return vec2f(low, high);
 }
 
-// Returns the first and last column and row of the table, within the rows at work, that a range of angles may reach. If
-// a first exceeds its last, there is none. Columns may exceed the last one, since they wrap around.
+// Returns the range of texels, within the rows at work, that ranges of angles may reach: first column, first row, last
+// column, last row. If a first value exceeds its last one, the range is empty. Columns may exceed the last one of the
+// table, since they wrap around.
 fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
     let rows = i32(frame.band.size.y);
     let begin = i32(frame.band.first_row);
@@ -188,14 +191,14 @@ fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
     return vec4i(first_column, i32(first_row), last_column, i32(last_row));
 }
 
-// Return the first texel that a range of angles may reach, and the last one. `reaches` says how far a texel extends on
-// either side of its middle.
+// These functions return the first and the last texel that a range of angles may reach. `reaches` has the upper and the
+// lower end of a texel's extent, in texels from the texel's begin.
 fn begin_of(angle: f32, reaches: vec2f) -> f32 { return ceil(angle / frame.mapping.theta_step - reaches.x); }
 fn end_of(angle: f32, reaches: vec2f) -> f32 { return floor(angle / frame.mapping.theta_step - reaches.y); }
 
 fn is_out_of_sight(primitive: Primitive, canvas: Canvas) -> bool { return false; }
 
-// Returns where a lane's texels are: columns wrap around.
+// Returns a lane's texels with their columns wrapped around into the table.
 fn on_canvas(texels: Pixels) -> Pixels {
     let columns = U(frame.mapping.columns);
     return Pixels(select(texels.x, texels.x - columns, texels.x >= columns), texels.y);
@@ -206,7 +209,7 @@ fn rays_from(texels: Pixels) -> Rays {
     return Rays(eye_point(), directions_at(F(texels.y + frame.band.first_row) + 0.5, F(texels.x) + 0.5));
 }
 
-// Returns directions of places in the table, in texels.
+// Returns directions at rows and columns of the table, in texels.
 fn directions_at(rows: F, columns: F) -> F3 {
     let theta = rows * frame.mapping.theta_step + frame.mapping.theta_begin;
     let phi = columns * frame.mapping.phi_step + frame.mapping.phi_begin;
@@ -221,14 +224,14 @@ fn directions_at(rows: F, columns: F) -> F3 {
     );
 }
 
-// Returns which directions may meet a triangle: those on the inner side of the planes through the light and its edges,
-// for some winding, or within `reach` of it. The sine of their angle to a plane exceeds -reach.
+// Returns which directions may hit a triangle. They lie on the inner side of all planes through the light and an edge,
+// for one of the two windings. `reach` is a tolerance: the sine of the angle to each plane exceeds -reach.
 fn is_within_edges(primitive: Primitive, directions: F3, reach: f32) -> B {
     let a = primitive.a - eye_point();
     let b = primitive.b - eye_point();
     let c = primitive.c - eye_point();
     let values = triangle_weights(directions, a, b, c);
-    // Normals of long edges that pass the light closely are mostly rounding.
+    // The normal of a long edge that passes close to the light is mostly rounding.
     let rounding = (length(a) + primitive.reach) * primitive.reach * DOUBT;
     let near = vec3f(
         length(edge_normal(b, c)),
@@ -240,7 +243,7 @@ fn is_within_edges(primitive: Primitive, directions: F3, reach: f32) -> B {
     return one_way | other_way;
 }
 
-// Largest distance of a direction in a block of 2x2 texels from its middle, in rows.
+// Maximum distance of a direction in a block of 2x2 texels from the block's middle, in rows.
 const BLOCK_REACH: f32 = 1.5;
 
 // Returns the blocks of a tile of texels, one bit each, that may lie within a triangle's edges.
@@ -285,7 +288,7 @@ fn drawn_over(primitive: Primitive, canvas: Canvas) -> vec4i {
     return texels_over(angles_around(primitive), vec2f(1.0 + slack, -slack));
 }
 
-// Marks texels where something may stand before their surface. t_buffer holds the output of read_texels.
+// Marks texels in which a primitive may lie in front of the texel's surface. t_buffer holds the output of read_texels.
 fn draw(primitive: Primitive, slot: u32, texels: Pixels, last: vec2i) -> Later {
     let inside = before_end(texels, last);
     let texel = pixel_of_ray(on_canvas(texels), 0u);
@@ -304,33 +307,35 @@ fn draw(primitive: Primitive, slot: u32, texels: Pixels, last: vec2i) -> Later {
     return Later(0u, 0u);
 }
 
-// Nothing is deferred to a second look.
+// This variant defers nothing to a second test.
 fn draw_again(primitive: Primitive, slot: u32, texels: Pixels, later: Later) {}
 
-// Largest distance of a direction in a texel from its middle, in rows.
+// Maximum distance of a direction in a texel from the texel's middle, in rows.
 const TEXEL_REACH: f32 = 0.75;
 
-// Returns the tolerated distance before a texel's surface, as a share of the distance from the light.
+// Returns the tolerated distance in front of a texel's surface, as a share of the distance from the light.
 fn allowed_before() -> f32 { return frame.mapping.margin * frame.mapping.theta_step + ON_PLANE; }
 
 fn middle_of(texel: vec2f) -> F3 { return directions_at(F(texel.x + 0.5), F(texel.y + 0.5)); }
 
-// Returns whether a primitive may stand before a texel's surface, within the texel. The surface is the plane of the
+// Returns whether a primitive may lie in front of a texel's surface, within the texel. The surface is a plane: the
 // points x, relative to the light, with plane . x = 1.
 fn stands_before(primitive: Primitive, plane: vec3f, texel: vec2f) -> bool {
-    // The largest distance of any point of the primitive before the plane, wherever it is. The tolerance is that of a
-    // texel that faces the plane, the smallest there is.
+    // First tests the largest distance in front of the plane over all points of the primitive, also outside the texel.
+    // The tolerance is that of a texel that faces the plane, which is the smallest tolerance.
     let size = length(plane);
     if size > 0.0 && 1.0 + most_along(primitive, -plane) <= allowed_before() { return false; }
     return touches_before(primitive, plane, texel);
 }
 
-// Radians. Wider texels, of tables with a few rows, curve by more than their corners are moved out.
+// Maximum width of a texel, radians. The sides of wider texels, in tables with a few rows, curve by more than is_before
+// moves the corners outwards.
 const WIDEST_TEXEL: f32 = 0.65;
 
-// Returns whether a plane lies before another one somewhere in a texel. The reciprocal of a plane's distance from the
-// light is linear in direction. So the difference between two planes is largest in a corner of the texel. The corners
-// are moved out by more than the sides curve and directions round. NaN counts as before.
+// Returns whether a plane lies in front of another plane somewhere in a texel. The reciprocal of a plane's distance
+// from the light is linear in direction. So the difference between two planes is largest in a corner of the texel. The
+// corners are moved outwards by more than the curvature of the sides and the rounding of directions. NaN counts as in
+// front.
 fn is_before(other: vec3f, plane: vec3f, texel: vec2f) -> bool {
     let difference = other - plane;
     let allowed = allowed_before() * length(plane);
@@ -365,8 +370,8 @@ fn ball_touches(primitive: Primitive, texel: vec2f) -> bool {
     return aside <= cap.radius + TEXEL_REACH * frame.mapping.theta_step + CAP_SLACK;
 }
 
-// Returns the plane of a triangle, relative to the light: the dot product of its points with this vector is 1. It is 0
-// for a plane through the light, which does not see the triangle.
+// Returns the plane of a triangle, relative to the light: the dot product of the result with each point of the plane is
+// 1. The result is 0 for a plane through the light, which does not see the triangle.
 fn triangle_plane(primitive: Primitive) -> vec3f {
     let across = cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a));
     let normal = normalize(largest_one(across));
@@ -375,8 +380,8 @@ fn triangle_plane(primitive: Primitive) -> vec3f {
 }
 
 //! if canvas is texels and texels is corners or spheres
-// Returns the plane of the circle of a ball's outline. Whatever lies behind it hides no point of the ball that faces
-// the light. It is 0 if the light is inside.
+// Returns the plane of the circle of a sphere's outline, as seen from the light. A primitive behind this plane hides no
+// point of the sphere that faces the light. The result is 0 if the light is inside the sphere.
 fn ball_plane(primitive: Primitive) -> vec3f {
     let center = primitive.a - eye_point();
     let distance = length(center);
@@ -386,7 +391,7 @@ fn ball_plane(primitive: Primitive) -> vec3f {
 }
 
 //! if canvas is texels and texels is ellipsoids
-// The same for an ellipsoid: the plane of the sphere that its matrix maps it to, mapped back.
+// Returns the plane of an ellipsoid's outline. The plane of the sphere to which the ellipsoid is mapped is mapped back.
 fn ball_plane(primitive: Primitive) -> vec3f {
     let center = to_sphere(primitive, primitive.a - eye_point());
     let distance = length(center);
@@ -437,7 +442,7 @@ fn shown_plane(slot: u32) -> vec3f {
     return select(bitcast<vec3f>(primitive_texel(slot, 1u).xyz) / height, vec3f(0.0), height == 0.0);
 }
 
-// Returns whether an infinite plane, other than the one that a texel shows, lies before the texel's surface.
+// Returns whether an infinite plane, other than the one that a texel shows, lies in front of the texel's surface.
 fn plane_stands_before(shown: u32, plane: vec3f, texel: vec2f) -> bool {
     var before = false;
     var slot = 0u;

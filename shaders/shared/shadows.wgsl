@@ -3,9 +3,10 @@
 //! use bvh, counters, lane, light, pixels, planes, primitive, primitives, rays
 
 //! if shadows is from_light
-// From the light to the surface, so that a lane's rays have one origin.
+// Shadow rays run from the light to the surface, so that a lane's rays have one origin.
 
-// A shadow ray also ends off the surface by this share of its length, because of the direction's rounding.
+// Offset of a shadow ray's end from the surface, as a share of the ray's length. It covers the rounding of the
+// direction.
 const OFFSET_BY_LIGHT: f32 = 1.0 / 1048576.0;
 
 var<private> shadow_rays: u32;
@@ -17,7 +18,7 @@ fn occluders_of(ray: ShadowRay, wanted: B) -> U {
 }
 
 //! if shadows is from_light and planes is none
-// Returns which rays a primitive occludes, by the test of traversal.
+// Returns which rays a primitive occludes, by the same test as in traversal.
 fn occluded_by(slot: u32, ray: ShadowRay) -> B {
     if COUNT { primitives_tested += 1u; }
     let rays = Rays(ray.light, ray.direction);
@@ -33,8 +34,8 @@ fn occluded_by(slot: u32, ray: ShadowRay) -> B {
 }
 
 //! if shadows is from_surface
-// From the surface to the light, one ray after the other: for lights so far away that f32 cannot tell the scene's
-// points apart from there.
+// Shadow rays run from the surface to the light, one ray after the other. This is for lights so far away that f32,
+// relative to the light, cannot distinguish the scene's points.
 
 const OFFSET_BY_LIGHT: f32 = 0.0;
 
@@ -57,7 +58,7 @@ fn occluders_of(ray: ShadowRay, wanted: B) -> U {
 }
 
 //! if shadows is none
-// The same as with shadows, so that lit points have the same bits.
+// The offset equals that with shadows, so that lit points have the same bits.
 const OFFSET_BY_LIGHT: f32 = 1.0 / 1048576.0;
 const shadow_rays: u32 = 0u;
 
@@ -66,13 +67,13 @@ fn occluders_of(ray: ShadowRay, wanted: B) -> U {
 }
 
 //! if shadows is from_surface or none
-// Rays from the light round differently from those from the surface, so nothing is known without a trace.
+// Rays from the light round differently from those from the surface, so such a test proves no shadow.
 fn occluded_by(slot: u32, ray: ShadowRay) -> B {
     return B(false);
 }
 
 //! end
-// Returns whether a primitive occludes one of the rays.
+// Returns whether a primitive occludes the ray with this index.
 fn is_occluded_by(slot: u32, ray: ShadowRay, index: u32) -> bool {
     return of_ray_b(occluded_by(slot, ray), index);
 }

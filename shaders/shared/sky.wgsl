@@ -3,13 +3,13 @@
 //! use fetch, lane, table
 
 //! if sky is constant
-// One colour.
+// The sky has one colour.
 fn sky(direction: F3) -> F3 {
     return all3(shading_vector(SKY_ZENITH));
 }
 
 //! if sky is gradient
-// A gradient along the world's y axis.
+// The sky is a gradient along the world's y axis.
 fn sky(direction: F3) -> F3 {
     let height = 0.5 + 0.5 * direction.y / sqrt(dot3(direction, direction));
     return add3(
@@ -19,8 +19,8 @@ fn sky(direction: F3) -> F3 {
 }
 
 //! if sky is map
-// An equirectangular picture, filtered bilinearly. Its top row is straight up, its middle column faces -z, and columns
-// go round to the right. Columns wrap at the seam. Beyond a pole a row continues at the opposite column.
+// The sky is an equirectangular picture, filtered bilinearly. Its top row is straight up, its middle column faces -z,
+// and columns go round to the right. Columns wrap at the seam. Beyond a pole a row continues at the opposite column.
 const PI: f32 = 3.14159265;
 
 fn sky(direction: F3) -> F3 {
@@ -37,7 +37,7 @@ fn sky(direction: F3) -> F3 {
 }
 
 fn sky_color(d: vec3f, first: u32, size: vec2i) -> vec3f {
-    // Straight up and down, any column will do.
+    // For directions straight up and down, the column is arbitrary.
     let upright = max(abs(d.x), abs(d.z)) < 1e-7;
     let turn = select(atan2(d.x, -d.z) / (2.0 * PI), 0.0, upright);
     let place = vec2f(turn + 0.5, acos(clamp(d.y, -1.0, 1.0)) / PI) * vec2f(size) - 0.5;

@@ -1,10 +1,10 @@
-// The sky as a light. If requested in place of ambient light, rays into a point's surroundings collect the sky's
-// radiance (DESIGN, section 3).
+// The sky as a light source, which replaces ambient light if requested. Rays from a point in many directions collect
+// the sky's radiance (DESIGN, section 3).
 
 //! use aims, fetch, lane, sky, table
 
 //! if surroundings is cosine or map
-// Colours that four rays bring to a white surface, each times the number of all rays.
+// Colours that four rays contribute to a white surface, each multiplied by the total number of rays.
 struct FourColors {
     r: vec4f,
     g: vec4f,
@@ -49,8 +49,9 @@ fn sky_colors(aim: Aim, rays: Four) -> FourColors {
 }
 
 //! if surroundings is map
-// A picture may have a sun of few pixels. So every other ray samples the picture's brightness, the others the cosine.
-// Both are combined by the balance heuristic (Veach & Guibas 1995, "Optimally Combining Sampling Techniques").
+// A picture may have a sun of few pixels. So every other ray is sampled by the picture's brightness, the rest by the
+// cosine. Both techniques are combined by the balance heuristic (Veach & Guibas 1995, "Optimally Combining Sampling
+// Techniques").
 fn bright_rays(aim: Aim) -> u32 { return aim.count / 2u; }
 
 fn cosine_rays(aim: Aim) -> u32 { return aim.count - bright_rays(aim); }
@@ -81,9 +82,9 @@ fn four_rays(aim: Aim, group: u32) -> Four {
     );
 }
 
-// Weights of a map's pixels are luminance times the sine of the angle from the poles. The sine is approximated, off by
-// at most 0.0011, with the same bits as on the host, which sums the weights: src/accel/table.rs. A map is bilinear:
-// each pixel is spread over a tent two pixels wide. The density of rays is bilinear too.
+// Returns the sine of the angle between a map's row and the pole. It is an approximation, off by at most 0.0011. A
+// pixel's weight is its luminance times this sine. The host sums the weights with the same bits (src/accel/table.rs). A
+// map is bilinear: each pixel is spread over a tent two pixels wide. So the density of rays is bilinear too.
 fn row_weight(row: i32, rows: i32) -> f32 {
     let inside = select(select(row, 2 * rows - 1 - row, row >= rows), -1 - row, row < 0);
     let down = (f32(inside) + 0.5) / f32(rows);
@@ -91,8 +92,9 @@ fn row_weight(row: i32, rows: i32) -> f32 {
     return arc * (0.775 + 0.225 * arc);
 }
 
-// The first texel whose w, a cumulative share, exceeds a given share, and how far the share lies between its
-// predecessor's w and its own. The last texel counts as 1.
+// Result of a search in cumulative shares, which are stored in w of texels. `index` is the first texel whose w exceeds
+// the given share. `within` is the position of the share between the previous texel's w and its own, 0 to 1. The last
+// texel's w counts as 1.
 struct TexelOver {
     index: u32,
     within: f32,
@@ -118,12 +120,14 @@ fn texel_over(share: f32, first: u32, stride: u32, count: u32) -> TexelOver {
     return TexelOver(low, select(0.5, clamp((share - below) / (above - below), 0.0, 1.0), above > below));
 }
 
-// Returns the position in a tent from -1 to 1 below which a given share of its area lies.
+// Inverts the cumulative distribution of a tent on [-1, 1]: returns the position below which a given share of the area
+// lies.
 fn tent(share: f32) -> f32 {
     return select(1.0 - sqrt(2.0 - 2.0 * share), sqrt(2.0 * share) - 1.0, share < 0.5);
 }
 
-// Samples a direction by the map's brightness: first the row, then the column, then the place within its tent.
+// Samples a direction by the map's brightness: first the row, then the column, then the position within the pixel's
+// tent.
 fn towards_brightness(u: f32, v: f32) -> vec3f {
     let header = table_texel(SKY_NADIR);   // first texel, width, height
     let row = texel_over(u, header.x + header.y - 1u, header.y, header.z);
@@ -154,7 +158,7 @@ fn sky_seen(d: vec3f, header: vec4u, mean: f32) -> SkySeen {
         row_weight(corner.y, size.y),
         row_weight(next.y, size.y),
     );
-    // A pixel is 2 pi^2 sin / (width height) steradians.
+    // A pixel covers 2 pi^2 sin / (width height) steradians.
     let sine = max(sqrt(d.x * d.x + d.z * d.z), 1e-4);
     let density = mix(weights.x, weights.y, share.y) / (mean * 2.0 * PI * sine);
     return SkySeen(mix(top, bottom, share.y), select(0.0, density, mean > 0.0));

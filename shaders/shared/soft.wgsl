@@ -1,6 +1,6 @@
-// Soft light: extended lights, and ambient light that surroundings occlude. A surface samples each source by several
-// rays. They are spread evenly (Hammersley's points) and shifted by random numbers of the pixel. So no pattern shows,
-// and a frame repeats to the bit.
+// Soft light: extended lights, and ambient light that nearby surfaces occlude. Each source is sampled by several rays
+// per point. The rays are spread evenly (Hammersley points) and shifted by random numbers of the pixel. So no pattern
+// is visible, and a frame repeats bit for bit.
 
 //! use aims, bvh, camera, counters, dice, fetch, frame, lane, light, materials, pixels, planes, rays, sky_light
 //! use surfaces, table, view, visibility
@@ -15,20 +15,21 @@ fn open_ambient() -> vec3f { return shading_vector(AMBIENT); }
 fn soft_light(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32) -> Light { return no_light(); }
 
 //! if soft is skipped or masked or asked or followed
-// Sources have slots: ambient light the first one, if it is sampled, then lights in their order.
+// Each source has a slot. Ambient light has the first slot if it is sampled, and the lights follow in their order.
 fn first_slot() -> u32 { return select(0u, 1u, OCCLUSION_RAYS > 0u); }
 
 fn slot_of(light: u32, next: u32) -> u32 { return select(next, 0u, light >= table_texel(AMBIENT).w); }
 
-// Returns ambient light without occlusion. It is 0 if ambient light is sampled as a source.
+// Returns ambient light without occlusion. The result is 0 if ambient light is sampled as a source.
 fn open_ambient() -> vec3f { return select(shading_vector(AMBIENT), vec3f(0.0), OCCLUSION_RAYS > 0u); }
 
 //! if soft is skipped
 fn soft_light(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32) -> Light { return no_light(); }
 
 //! if soft is masked or asked
-// Returns the index of a mask, which has one bit for each of a pixel's rays to a source that arrives. Masks are stored
-// in `counters`, behind the counters and the cost map, since a further buffer would exceed a kernel's limit.
+// Returns the index of a pixel's mask for a source. The mask has one bit for each ray, set if the ray reaches the
+// source. Masks are stored in `counters`, after the counters and the cost map, since another buffer would exceed a
+// kernel's limit.
 fn mask_place(slot: u32, ray: u32) -> u32 {
     let pixels = frame.band.size.x * frame.band.size.y;
     let first = frame.band.size.y * COUNTERS + select(0u, pixels, COST_MAP);
@@ -101,7 +102,7 @@ fn mask_of(aim: Aim, slot: u32, ray: u32) -> u32 {
 }
 
 //! if soft is followed
-// Behind mirrors there are few points, so all rays are traced at once.
+// Few points are seen in mirrors, so all their rays are traced at once.
 fn mask_of(aim: Aim, slot: u32, ray: u32) -> u32 {
     var mask = 0u;
     var group = 0u;
@@ -114,7 +115,7 @@ fn mask_of(aim: Aim, slot: u32, ray: u32) -> u32 {
 }
 
 //! if soft is asked
-// Groups of four rays per dispatch and source. This bounds a thread's work for any number of sources.
+// Number of groups of four rays per dispatch and source. It bounds a thread's work for any number of sources.
 const ASKED_GROUPS: u32 = 4u;
 
 // Traces rays to frame.lighting.light, beginning with ray frame.lighting.first_ray, from the hits of target pixels.
@@ -150,7 +151,7 @@ fn ask_light(pixels: Pixels, wanted: B) {
 }
 
 //! if rays is one
-// Returns which of four rays arrive, one bit each.
+// Returns which of four rays reach the source, one bit each.
 fn traced_four(aim: Aim, group: u32) -> u32 {
     let rays = four_rays(aim, group);
     var mask = 0u;
@@ -168,7 +169,7 @@ fn traced_four(aim: Aim, group: u32) -> u32 {
 }
 
 //! if rays is four
-// Returns which of four rays arrive, one bit each. They have one origin, so they share a lane.
+// Returns which of four rays reach the source, one bit each. The rays have one origin, so they share a lane.
 fn traced_four(aim: Aim, group: u32) -> u32 {
     let rays = four_rays(aim, group);
     if !any(rays.wanted) { return 0u; }
@@ -182,7 +183,7 @@ fn traced_four(aim: Aim, group: u32) -> u32 {
 }
 
 //! if soft is masked or asked or followed
-// Weights of all rays, and of those that arrive.
+// Sums of the weights of all rays, and of the rays that reach the source.
 struct Shares {
     all: vec4f,
     open: vec4f,
@@ -201,8 +202,8 @@ fn arrived_from(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32)
     return arrived_evenly(surfaces, eye, light, slot, ray);
 }
 
-// Returns the light of the sky at one point. Views reuse its share, which is by luminance. It makes no highlights, like
-// ambient light.
+// Returns the light of the sky at one point. Views reuse the visible share of this light, measured by luminance. Like
+// ambient light, the sky causes no highlights.
 fn arrived_from_sky(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
     let aim = aim_at(surfaces, eye, light, ray);
     let known = known_share(light, slot, aim.count, ray);

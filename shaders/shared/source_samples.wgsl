@@ -1,14 +1,14 @@
-// Left samples, as right pixels query them. They are in a texture, since software adapters read textures faster than
-// buffers.
+// Samples of source views, as target pixels query them. They are in a texture, since software adapters read textures
+// faster than buffers.
 
 // One sample of a source view.
 struct SourceSample {
     depth: f32,       // along the view axis (FAR: miss)
-    // With KEEP_SHARES the shares of soft light (visibility.wgsl). With KEEP_OCCLUDERS the slot of a primitive that
-    // hides some light, or MISS. Else the sample's own slot.
+    // With KEEP_SHARES: the shares of soft light (visibility.wgsl). With KEEP_OCCLUDERS: the slot of a primitive that
+    // hides some light, or MISS. Otherwise: the sample's own slot.
     other: u32,
     component: u32,   // connected component
-    bits: u32,        // first 16 lights: visible, from bit 0; shadow ray traced, from bit 16
+    bits: u32,        // for the first 16 lights: visible, from bit 0 on; known, from bit 16 on
 }
 
 //! if samples is read

@@ -4,8 +4,8 @@
 
 //! use double_float, fetch, lane, primitive, rays
 
-// Returns the nearest t, at least t_min, at which a line meets a sphere, or -1. It solves the quadratic equation in
-// sums of two f32. The smaller root is a quotient, so nothing cancels.
+// Returns the nearest t, at least t_min, at which a line meets a sphere, or -1. The function solves the quadratic
+// equation in sums of two f32. The smaller root is a quotient, which avoids cancellation.
 fn sphere_root(to_center: Two3, way: Two3, radius: Two, t_min: f32) -> f32 {
     let squared = product_two(radius, radius);
     let outside = sum_two(dot_two3(to_center, to_center), Two(-squared.hi, -squared.lo));
@@ -51,7 +51,7 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let material = primitive_texel(slot, 2u).w;
     let center = bitcast<vec3f>(first.xyz);
     let direction = of_ray3(rays.direction, ray);
-    // Relative to the eye, since the world's origin may be far away.
+    // Coordinates are relative to the eye, since the world's origin may be far away.
     let from_center = direction * of_ray(hits.t, ray) - (center - rays.origin);
     let outward = normalize(largest_one(from_center));
     let normal = towards_viewer(outward, direction);

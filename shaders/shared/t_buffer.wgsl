@@ -1,10 +1,11 @@
 // A T-buffer (Raghuvanshi & Dhande, section II) holds for each pixel the t and the primitive of its ray's nearest hit.
-// It is filled by drawing each primitive over the pixels that its projection may reach. Rays and tests are those of
-// traversal, so every t is the same to the bit. A ray that misses a primitive drawn over it leaves nothing.
-// docs/T-BUFFER.md has the argument.
+// It is filled by drawing each primitive over the pixels that its projection may reach: their rays are tested against
+// the primitive. Rays and tests are those of traversal, so every t is the same to the bit. A ray that misses the
+// primitive leaves its pixel unchanged. docs/T-BUFFER.md has the argument.
 //
-// Two words a pixel: the complement of t's bits, and the primitive's slot + 1; 0 for a miss. Since t is not negative,
-// its bits are ordered like t, and their complements in reverse: the largest is the nearest.
+// A pixel has two words: the complement of t's bits, and the primitive's slot + 1, or 0 for a miss. Since t is not
+// negative, its bits are ordered like t. Their complements have the reverse order, so the largest complement is the
+// nearest hit.
 //
 // The canvas is a picture, or a light's shadow-buffer (shadow_canvas.wgsl).
 
@@ -14,28 +15,29 @@
 struct Drawing {
     few: DrawnHead,                 // primitives that cover few pixels
     more: DrawnHead,                // primitives that cover a few tiles
-    parts: DrawnHead,               // parts of primitives that cover many
+    parts: DrawnHead,               // parts of primitives that cover many tiles
     further_parts: atomic<u32>,     // parts requested beyond each primitive's first
-    pass_at_work: u32,              // 1: keeps t; SECOND_PASS: finds the primitive
+    pass_at_work: u32,              // 1: stores the nearest t; SECOND_PASS: stores its primitive
     entries: array<u32>,
 }
 
 struct DrawnHead {
-    workgroups: vec3u,              // an indirect dispatch
+    workgroups: vec3u,              // arguments of an indirect dispatch
     count: atomic<u32>,
 }
 
 const SECOND_PASS: u32 = 2u;
 
-// The entries have room for three words a primitive, and for FURTHER_PARTS parts more. A primitive is in one list only.
-// Slots of `few` grow from the first word on, those of `more` backwards from the end of the first third. Parts grow
-// backwards from the end, two words each: the slot, then the part's index with the number of parts from PARTS_BIT on.
+// The entries have room for three words per primitive and for FURTHER_PARTS additional parts. A primitive is in one
+// list only. The list `few` grows from the first word. The list `more` grows backwards from the word before
+// primitives_in_tree(). The list `parts` grows backwards from the end. A part has two words: the slot, and the part's
+// index with the number of parts from PARTS_BIT on.
 const FURTHER_PARTS: u32 = 65536u;
 const PARTS_BIT: u32 = 16u;
-// Threads that share a part: a vector of a software adapter, which then reads one primitive.
+// Number of threads that share a part. They form a vector of a software adapter, which then reads one primitive.
 const GROUP: u32 = 8u;
-// Entries of `few` per thread. A software adapter's vector takes the second look in any case, and then once for all of
-// them.
+// Number of entries of `few` per thread. A software adapter's vector runs the second test in any case, but only once
+// for all these entries.
 const FEW_EACH: u32 = 4u;
 // Workgroups in a row of the dispatches over primitives and over each list.
 const PROJECTED_ACROSS: u32 = 1024u;
@@ -55,7 +57,7 @@ const FIRST_IN_TREE: u32 = 0u;
 const FIRST_IN_TREE: u32 = PLANES;
 
 //! end
-// Returns the number of primitives in the tree, which the host sized the buffer for.
+// Returns the number of primitives in the tree, derived from the size that the host gave the buffer.
 fn primitives_in_tree() -> u32 {
     return (arrayLength(&drawing.entries) - 2u * FURTHER_PARTS) / 3u;
 }
@@ -70,12 +72,13 @@ fn place_of_part(part: u32) -> u32 {
 }
 
 //! if canvas is picture
-// Returns the row that counts work of no particular row. It is one of the band's own, above which are up to two others.
+// Returns the row whose counters get work of no particular row. It is one of the band's own rows, above which are up to
+// two others.
 fn counted_row() -> u32 {
     return min(frame.band.row_begin + 2u, frame.band.row_end - 1u);
 }
 
-// Where a primitive may be visible.
+// Bounds on where a primitive may be visible.
 
 //! if primitives is triangles
 fn most_along(primitive: Primitive, v: vec3f) -> f32 { return triangle_most(primitive, v); }
@@ -94,13 +97,13 @@ fn ball_radius(primitive: Primitive) -> f32 { return primitive.b.x; }
 fn ball_reach(primitive: Primitive, v: vec3f) -> f32 { return primitive.b.x * length(v); }
 
 //! if texels is ellipsoids
-// The longest semi-axis.
+// Returns the longest semi-axis.
 fn ball_radius(primitive: Primitive) -> f32 { return primitive.reach; }
 
 fn ball_reach(primitive: Primitive, v: vec3f) -> f32 { return length(half_widths(primitive, v)); }
 
 //! end
-// Exceeds the rounding of such products, as a share of one vector's length and the other's components.
+// Upper bound of a dot product's rounding, as a share of one vector's length times the other's absolute components.
 const PRODUCT_SLACK: f32 = 1.0 / 1048576.0;
 
 // Returns an upper bound of the dot product of v with the offset from the eye to any point of a triangle.
@@ -112,7 +115,7 @@ fn triangle_most(primitive: Primitive, v: vec3f) -> f32 {
     return max(dot(a, v), max(dot(b, v), dot(c, v))) + farthest * components(v) * PRODUCT_SLACK;
 }
 
-// The same for a sphere or an ellipsoid.
+// Returns the same upper bound for a sphere or an ellipsoid.
 fn ball_most(primitive: Primitive, v: vec3f) -> f32 {
     let center = primitive.a - eye_point();
     let farthest = length(center) + ball_radius(primitive);
@@ -130,16 +133,16 @@ fn rows_at_work() -> Tile {
     return Tile(vec2u(0u, frame.band.first_row + frame.band.row_begin), size);
 }
 
-// Returns whether the planes around the rays of the rows at work exclude a primitive. A primitive that reaches the
-// plane of the eyes has no bounds, though many lie beside the picture or behind the eye.
+// Returns whether a primitive lies outside the frustum of the rows at work. Primitives that reach the plane of the eye
+// have no projected bounds, though many lie beside the picture or behind the eye.
 fn is_out_of_sight(primitive: Primitive, projection: Canvas) -> bool {
     let across = min(most_along(primitive, projection.left_plane), most_along(primitive, projection.right_plane));
     let down = min(most_along(primitive, projection.top_plane), most_along(primitive, projection.bottom_plane));
     return min(min(across, down), most_along(primitive, projection.forward)) < 0.0;
 }
 
-// Returns the first and last column and row of the pixels that a primitive's projection may reach, in the picture and
-// within the rows at work. If a first exceeds its last, there is none.
+// Returns the range of pixels, within the rows at work, that a primitive's projection may reach: first column, first
+// row, last column, last row. If a first value exceeds its last one, the range is empty.
 fn drawn_over(primitive: Primitive, projection: Canvas) -> vec4i {
     let bounds = projected_bounds(primitive, projection);
     let margin = guard_band();
@@ -151,7 +154,7 @@ fn drawn_over(primitive: Primitive, projection: Canvas) -> vec4i {
     return vec4i(vec2i(first), vec2i(last));
 }
 
-// Pixels of a lane on the canvas, and their rays.
+// These functions return a lane's pixels on the canvas and the rays of these pixels.
 fn on_canvas(pixels: Pixels) -> Pixels { return pixels; }
 
 fn rays_from(pixels: Pixels) -> Rays {
@@ -167,12 +170,12 @@ fn tiles_over(over: vec4i) -> u32 {
     return tiles.x * tiles.y;
 }
 
-// Returns a lane's pixels from a given pixel of the picture on, in buffer coordinates.
+// Returns the pixels of a lane that begins at a given pixel of the picture, in buffer coordinates.
 fn pixels_from(corner: vec2u) -> Pixels {
     return Pixels(RAY_X + U(corner.x), RAY_Y + U(corner.y - frame.band.first_row));
 }
 
-// Deferred rays, one bit each.
+// Masks of deferred rays, one bit per ray.
 struct Later {
     doubtful: u32,    // uncertain hit
     contested: u32,   // another primitive has the same t
@@ -198,7 +201,7 @@ fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
     let found = intersect(primitive, rays, scales_of(rays), F(0.0));
     if COUNT && any_ray(inside) { count_test(pixel_of_ray(places, 0u)); }
     var later = Later(bits_of(found.doubtful & inside), 0u);
-    // The same condition as is_nearer, for rays without a hit.
+    // The condition is that of is_nearer for a ray that has no hit yet.
     var left = found.hit & inside & (found.t >= F(0.0)) & (found.t <= F(FAR));
     loop {
         let ray = first_ray(left);
@@ -213,15 +216,16 @@ fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
 }
 
 //! if canvas is picture
-// Only for counting kernels, which have one ray a lane.
+// Counts a primitive test. Only counting kernels call this function; they have one ray per lane.
 fn count_test(pixel: vec2u) {
     atomicAdd(&counters[pixel.y * COUNTERS + PRIMITIVES_TESTED], 1u);
     if COST_MAP { atomicAdd(&counters[frame.band.size.y * COUNTERS + pixel_index(pixel)], 1u); }
 }
 
 //! if canvas is picture or middles
-// Stores a ray's hit. Maximum commutes, so the order of threads does not matter. In the second pass it does not either,
-// if only one primitive has the nearest t. Returns false if another primitive is stored: then it must be claimed.
+// Stores a ray's hit. Maximum commutes, so the order of threads does not matter in the first pass. It does not matter
+// in the second pass either, if only one primitive has the nearest t. Returns false if another primitive is stored:
+// then the caller must call `claim`.
 fn keep_drawn(place: u32, t: f32, slot: u32) -> bool {
     let key = ~bitcast<u32>(abs(t)); // -0 is 0
     if !names_primitives {
@@ -253,7 +257,7 @@ fn claim(place: u32, slot: u32, id: u32) {
     cut_short |= !done;
 }
 
-// Takes the second look, one ray per round.
+// Runs the second test of deferred rays, one ray per round.
 fn draw_again(primitive: Primitive, slot: u32, pixels: Pixels, later: Later) {
     let places = on_canvas(pixels);
     let rays = rays_from(places);
@@ -274,11 +278,11 @@ fn draw_again(primitive: Primitive, slot: u32, pixels: Pixels, later: Later) {
 }
 
 //! end
-// Rounds of a lane for a block of 2x2 pixels.
+// Number of rounds that a lane needs for a block of 2x2 pixels.
 const TURNS: u32 = 4u / RAYS;
 
-// Draws a primitive over some tiles of the pixels that it may cover, row by row: from `begin` to before `end`, every
-// `apart`-th one. For a triangle only blocks that may lie within its edges are drawn.
+// Draws a primitive over some of the tiles that it may cover, counted row by row. It draws every `apart`-th tile from
+// `begin` on, before `end`. For a triangle only blocks that may lie within its edges are drawn.
 fn draw_tiles(primitive: Primitive, slot: u32, over: vec4i, begin: u32, end: u32, apart: u32) {
     let corner = vec2u(over.xy);
     let size = vec2u(over.zw + 1) - corner;
@@ -313,7 +317,7 @@ fn draw_tiles(primitive: Primitive, slot: u32, over: vec4i, begin: u32, end: u32
             }
             if !is_none(later) { break; }
         }
-        // Runs once for all tiles, except those that defer rays.
+        // This call runs for each block that defers rays, and once at the end.
         draw_again(primitive, slot, pixels, later);
         if blocks == 0u && tile >= end { break; }
     }

@@ -1,14 +1,15 @@
-// The shading table: its layout in vectors with floats' bits in x, y and z. It is no uniform: Mesa's software driver
-// compiles a kernel anew for each dispatch in which a loop's end is a uniform.
+// Layout of the shading table. A texel has the bits of three floats in x, y and z. The table is not a uniform: Mesa's
+// software driver compiles a kernel anew for each dispatch in which a loop's end is a uniform.
 
 //! use fetch
 
 const AMBIENT: u32 = 0u;      // linear RGB; the number of lights in w
-// Linear RGB straight down. For a map: first texel, width, height. In w the first of the textures' heads.
+// Linear RGB of the sky straight down. For a map: first texel, width, height. w has the index of the first texture
+// head.
 const SKY_NADIR: u32 = 1u;
-const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or everywhere
-// LIGHT_TEXELS each: position and kind, intensity and size, two sides for some kinds. The materials follow
-// (materials.wgsl), then a map's pixels, then textures (textures.wgsl).
+const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or of the whole sky
+// First texel of the lights, LIGHT_TEXELS each: position and kind, intensity and size, two sides for some kinds. The
+// materials follow (materials.wgsl), then a map's pixels, then textures (textures.wgsl).
 const LIGHTS: u32 = 3u;
 
 fn shading_vector(index: u32) -> vec3f {

@@ -2,12 +2,12 @@
 
 //! use camera, fetch, lane, primitive, rays, triangle
 
-// Path length of the rays up to their origin, after mirrors and glass.
+// Path length from the eye to the rays' origin, for rays that mirrors and glass send on.
 var<private> travelled_before: F;
 
-// A texture's head has its kind in the lowest four bits of x and its wrap above them. A picture has z levels, the
-// largest first, from texel y on: each has its first texel, width and height. A checkerboard has z squares a side. Its
-// colours are the texels y and y + 1.
+// A texture's head has its kind in the lowest four bits of x and its wrap mode above them. A picture has z levels, the
+// largest first. Their heads begin at texel y; each has the level's first texel, width and height. A checkerboard has z
+// squares a side. Its colours are the texels y and y + 1.
 const CHECKERBOARD: u32 = 1u;
 const WRAP_REPEAT: u32 = 0u;
 const WRAP_MIRROR: u32 = 1u;
@@ -16,8 +16,8 @@ const WRAP_CLAMP: u32 = 2u;
 // Position and footprint of a texture lookup.
 struct Lookup {
     uv: vec2f,
-    width: f32,    // of the ray's footprint, in units of uv
-    round: bool,   // on a ball: u repeats and v ends at the poles, whatever the texture's wrap
+    width: f32,    // width of the ray's footprint, in units of uv
+    round: bool,   // on a sphere: u repeats and v ends at the poles, whatever the texture's wrap mode
 }
 
 fn texture_color(head_at: u32, at: Lookup) -> vec3f {
@@ -29,9 +29,9 @@ fn texture_color(head_at: u32, at: Lookup) -> vec3f {
         return mix(first, other, checkered(at, i32(head.z), wrap));
     }
     let largest = vec2f(table_texel(head.y).yz);
-    // The level is chosen by area, since the footprint is a square. The level with pixels of its size comes nearest to
-    // the mean of 64 rays a pixel. Half a level to either side is farther off, or flickers more between the eyes
-    // (tests/it/textures/filter.rs).
+    // The level is chosen by area, since the footprint is a square. The level whose pixels have the footprint's size
+    // comes nearest to the mean of 64 rays a pixel. Half a level finer or coarser is less exact, or flickers more
+    // between the eyes (tests/it/textures/filter.rs).
     let pixels = at.width * sqrt(largest.x * largest.y);
     let level = clamp(log2(max(pixels, 1e-9)), 0.0, f32(head.z - 1u));
     let finer = u32(level);
@@ -41,22 +41,22 @@ fn texture_color(head_at: u32, at: Lookup) -> vec3f {
     return mix(color, level_color(head.y + finer + 1u, at.uv, wrap), share);
 }
 
-// Returns the exact share of the other colour in a square of the footprint's size.
+// Returns the exact share of the second colour in a square of the footprint's size.
 fn checkered(at: Lookup, squares: i32, wrap: vec2u) -> f32 {
     let width = min(at.width * f32(squares), 64.0);
     let place = vec2f(near_unit(at.uv.x, wrap.x), near_unit(at.uv.y, wrap.y)) * f32(squares);
     return 0.5 - 0.5 * wave_mean(place.x, width, squares, wrap.x) * wave_mean(place.y, width, squares, wrap.y);
 }
 
-// Returns an equivalent texture coordinate near 0, where f32 is fine.
+// Returns an equivalent texture coordinate near 0, where f32 is precise enough.
 fn near_unit(x: f32, wrap: u32) -> f32 {
     return select(x - 2.0 * floor(0.5 * x), clamp(x, -64.0, 65.0), wrap == WRAP_CLAMP);
 }
 
-// Returns the mean, around a place, of a square wave: 1 in a row's first square, -1 in its second and so on. It is
-// wrapped like the row.
+// Returns the mean of a square wave over an interval of this width around `place`. The wave is 1 in a row's first
+// square, -1 in its second and so on. The wave is wrapped like the texture.
 fn wave_mean(place: f32, width: f32, squares: i32, wrap: u32) -> f32 {
-    // For a small width, a difference of sums would cancel. Such a width holds one edge at most.
+    // For a small width, a difference of integrals would cancel. Such an interval contains one edge at most.
     if width < 1.0 {
         let edge = floor(place + 0.5);
         let before = clamp((edge - place) / max(width, 1e-6) + 0.5, 0.0, 1.0);
@@ -86,12 +86,12 @@ fn wave_sum(x: f32, squares: i32, wrap: u32) -> f32 {
     return odd * turns + zigzag(x - all * turns);
 }
 
-// Rises from 0 to 1 and falls again.
+// Returns a triangle wave of period 2, which rises from 0 to 1 and falls again.
 fn zigzag(x: f32) -> f32 {
     return 1.0 - abs(fract(0.5 * x) * 2.0 - 1.0);
 }
 
-// Filters bilinearly between the centres of a level's pixels.
+// Returns a level's colour, filtered bilinearly between the centres of pixels.
 fn level_color(level: u32, uv: vec2f, wrap: vec2u) -> vec3f {
     let texel = table_texel(level);
     let size = vec2i(texel.yz);
@@ -113,7 +113,7 @@ fn level_color(level: u32, uv: vec2f, wrap: vec2u) -> vec3f {
     return mix(top, bottom, share.y);
 }
 
-// Reads a pixel. A texel holds two, each of four halves: linear red, green and blue, and alpha.
+// Reads a pixel of a level. A texel holds two pixels of four 16-bit floats each: linear red, green and blue, and alpha.
 fn level_pixel(first: u32, at: vec2i, size: vec2i, wrap: vec2u) -> vec3f {
     let index = u32(wrapped(at.y, size.y, wrap.y) * size.x + wrapped(at.x, size.x, wrap.x));
     let two = table_texel(first + index / 2u);
@@ -123,7 +123,7 @@ fn level_pixel(first: u32, at: vec2i, size: vec2i, wrap: vec2u) -> vec3f {
 
 fn wrapped(at: i32, size: i32, wrap: u32) -> i32 {
     if wrap == WRAP_CLAMP { return clamp(at, 0, size - 1); }
-    // Made positive first, since a remainder has its dividend's sign.
+    // The index is made positive first, since a remainder has its dividend's sign.
     let turn = (at + 2 * size) % (2 * size);
     return select(turn % size, min(turn, 2 * size - 1 - turn), wrap == WRAP_MIRROR);
 }
@@ -134,7 +134,8 @@ fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     let direction = of_ray3(rays.direction, ray);
     let slot = of_ray_u(hits.slot, ray);
     let across = footprint(of_ray(hits.t, ray) + of_ray(travelled_before, ray));
-    // Directions have length 1 along the view axis. The longer one is, the more oblique is its pixel too.
+    // Directions have length 1 along the view axis. So a longer direction, whose pixel is more oblique, is not
+    // normalised here.
     let side = across * inverseSqrt(max(abs(dot(surface.geometric_normal, direction)), 0.01));
     if (surface.component & IS_SPHERE) != 0u { return ball_lookup(surface.outward, surface.radius, side); }
     let corners = triangle_corners(slot);
@@ -149,12 +150,13 @@ fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     return Lookup(uv[0] * weights.x + uv[1] * weights.y + uv[2] * weights.z, side * sqrt(uv_area / area), false);
 }
 
-// Maps a ball: seen from outside, a texture's middle is at +z, its right at +x and its top at +y.
+// Returns texture coordinates on a sphere. Seen from outside, a texture's middle is at +z, its right at +x and its top
+// at +y.
 fn ball_lookup(outward: vec3f, radius: f32, side: f32) -> Lookup {
     let from_axis = length(outward.xz);
     let turn = select(atan2(outward.x, outward.z) / 6.2831853, 0.0, from_axis < 1e-7);
     let uv = vec2f(turn + 0.5, 1.0 - acos(clamp(outward.y, -1.0, 1.0)) / 3.14159265);
-    // Towards the poles a texture is narrower. It is twice as long around as it is high.
+    // On the unit sphere, a unit of uv covers an area of 2 pi^2 times the distance from the axis.
     let area = 19.7392088 * max(from_axis, 0.01);
     return Lookup(uv, side / (max(radius, 1e-30) * sqrt(area)), true);
 }
@@ -166,7 +168,7 @@ fn triangle_uv(slot: u32) -> array<vec2f, 3> {
 
 //! if uv is some
 fn triangle_uv(slot: u32) -> array<vec2f, 3> {
-    // Larger coordinates would show the same, but their products may overflow.
+    // Coordinates are clamped: larger ones would look the same, but their products may overflow.
     let first = clamp(bitcast<vec4f>(primitive_texel(slot, UV_TEXEL)), vec4f(-1e15), vec4f(1e15));
     let second = clamp(bitcast<vec2f>(primitive_texel(slot, UV_TEXEL + 1u).xy), vec2f(-1e15), vec2f(1e15));
     return array<vec2f, 3>(first.xy, first.zw, second);

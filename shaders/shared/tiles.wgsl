@@ -4,17 +4,17 @@
 
 const TILE: u32 = 8u;
 const TILE_PIXELS: u32 = 64u;
-const BLOCKS: u32 = 4u;         // across a tile
+const BLOCKS: u32 = 4u;         // number of blocks across a tile
 const TILE_BLOCKS: u32 = 16u;
 
 fn tiles_across() -> u32 {
     return (frame.band.size.x + TILE - 1u) / TILE;
 }
 
-// Pixels of a row that a thread of mark_busy tests. It reads four more samples.
+// Number of pixels of a row that a thread of mark_busy tests. The thread reads four more samples.
 const BUSY_RUN: u32 = 16u;
 
-// Words per tile of bound_tiles' result: the bits of its bound, and its busy lights.
+// Number of words per tile in the result of bound_tiles: the bits of the tile's bound, and its busy lights.
 const BOUND_WORDS: u32 = 2u;
 
 // Returns the index of the first of these words for a pixel's tile.
@@ -28,11 +28,11 @@ fn tiles_at_work() -> u32 {
 }
 
 struct Tile {
-    corner: vec2u,   // in the picture
+    corner: vec2u,   // first pixel, in picture coordinates
     size: vec2u,
 }
 
-// Returns the blocks of 2x2 pixels that contain these, one bit each, row by row.
+// Returns the blocks of 2x2 pixels that contain a range of a tile's pixels, one bit each, row by row.
 fn covered_blocks(covered: vec4i) -> u32 {
     let first = vec2u(covered.xy) / 2u;
     let last = vec2u(covered.zw) / 2u;

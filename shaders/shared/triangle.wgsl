@@ -6,8 +6,8 @@
 // sign, so rounding opens no gap. With the difference the error is relative to the edge's length, not to its distance.
 // Normals depend on the origin only, so a lane's rays share them.
 
-// Texels of a primitive: the corners in xyz, with the shortest edge from a to b, and id, component and material in w.
-// If the scene has normals, they are a fourth texel (below).
+// A triangle's three texels hold the corners in xyz; the edge from a to b is the shortest. Their w hold id, component
+// and material. If the scene has vertex normals, they are in a fourth texel (below).
 
 //! use double_float, fetch, lane, primitive, rays
 
@@ -15,7 +15,8 @@ fn edge_normal(p: vec3f, q: vec3f) -> vec3f {
     return cross(p + q, q - p);
 }
 
-// Returns the corners' weights, in any scale; at a hit they have one sign. Corners are relative to the rays' origin.
+// Returns the corners' barycentric weights, not normalised; at a hit all have the same sign. Corners are relative to
+// the rays' origin.
 fn triangle_weights(direction: F3, a: vec3f, b: vec3f, c: vec3f) -> F3 {
     return F3(
         along(direction, edge_normal(b, c)),
@@ -38,12 +39,12 @@ fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found
     let weights = triangle_weights(direction, a, b, c);
     let least = smaller(weights.x, smaller(weights.y, weights.z));
     let most = larger(weights.x, larger(weights.y, weights.z));
-    // Positive on the inner side of all edges, for either winding.
+    // The value is positive on the inner side of all edges, for either winding.
     let inside = larger(least, -most);
     let bound = scales.length * ((sqrt(dot(a, a)) + primitive.reach) * primitive.reach * DOUBT);
-    // t is that of the triangle's plane. The edge from a to b is the shortest, so the normal of a long thin triangle is
-    // exact too. All weights exceed their bound, so the plane is not so nearly parallel to the ray that t could leave
-    // the triangle.
+    // t is the intersection with the triangle's plane. The edge from a to b is the shortest, so the normal of a long
+    // thin triangle is exact too. At a hit all weights exceed their bound. So the plane is not so nearly parallel to
+    // the ray that t could leave the triangle.
     let normal = cross(b - a, c - a);
     let t = F(dot(normal, a)) / along(direction, normal);
     let hit = inside > bound;
@@ -110,7 +111,8 @@ fn triangle_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let b = bitcast<vec3f>(second.xyz);
     let last = primitive_texel(slot, 2u);
     let c = bitcast<vec3f>(last.xyz);
-    // Scaled to the largest component first, since the squares of a tiny triangle's normal would underflow.
+    // The vector is scaled to its largest component first, since the squares of a tiny triangle's normal would
+    // underflow.
     let scaled = largest_one(cross(largest_one(b - a), largest_one(c - a)));
     let geometric = towards_viewer(normalize(scaled), of_ray3(rays.direction, ray));
     let weights = triangle_weights(rays.direction, a - rays.origin, b - rays.origin, c - rays.origin);
@@ -139,7 +141,7 @@ fn corner_weights(rays: Rays, corners: array<vec3f, 3>, ray: u32) -> vec3f {
 }
 
 //! if normals is flat
-// No triangle of the scene has vertex normals: uses the triangle's own.
+// No triangle of the scene has vertex normals, so the shading normal is the geometric normal.
 
 fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f) -> vec3f {
     return geometric;
@@ -158,8 +160,8 @@ fn unpack_normal(word: u32) -> vec3f {
     return normalize(vec3f(xy, z));
 }
 
-// Returns the shading normal, on the side of the geometric normal. If it were turned towards the viewer by itself, one
-// that points away at a silhouette would be mirrored, and a lit rim would be dark.
+// Returns the shading normal, on the side of the geometric normal. At a silhouette it may point away from the viewer.
+// If it were turned towards the viewer, it would be mirrored, and a lit rim would be dark.
 fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f) -> vec3f {
     let packed = primitive_texel(slot, 3u);
     let sum = weights.x + weights.y + weights.z;

@@ -1,11 +1,11 @@
-// Which reused pixels are rejected.
+// Verification of reused pixels.
 
 //! use bvh, camera, lane, pixels, planes, rays
 
 //! if checks is all
 // Every reused pixel is checked by a ray of limited length (thesis, 3.1.3).
 
-// Share of the way to the reused point that must be free.
+// Share of the way to the reused point that must be free of occluders.
 const VERIFY_FRACTION: f32 = 0.999;
 
 // Returns which points of source pixels are hidden from the target. Rays are aimed at the points themselves, so that a

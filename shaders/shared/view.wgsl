@@ -2,7 +2,7 @@
 
 //! use display, kept_samples, lane, light, linear, pixels, rays, wanted
 
-// Stores what a lane's primary rays saw.
+// Stores the samples of a lane's primary rays.
 fn keep_view(pixels: Pixels, wanted: B, samples: Samples) {
     let packed = packed_srgb(samples.color);
     var ray = 0u;

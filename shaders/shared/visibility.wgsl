@@ -1,9 +1,10 @@
-// Whether a light is visible from the points that a lane's rays hit.
+// Visibility of lights from the points that a lane's rays hit.
 
 //! use bits, camera, dice, frame, lane, light, lists, pixels, rays, shadow_buffer, shadows, source_samples
 
 //! if visibility is traced
-// Always traces a shadow ray. The result is kept for the other eye if the method asks for it.
+// Visibility is always computed anew, by a shadow-buffer or a shadow ray. It is kept for the other eye if the method
+// reuses it.
 
 // The list of pixels that shade_listed shades.
 const TO_SHADE: u32 = TO_TRACE;
@@ -28,7 +29,7 @@ fn light_bits() -> U {
     return found_bits;
 }
 
-// Shares of the first six sources that are not points, packed as in bits.wgsl.
+// Shares of the first six sources that are not point lights, packed as in bits.wgsl.
 var<private> found_shares: U = U(0xffffffffu);
 
 // Returns the weighted share of a source's rays that arrive, or -1 if they must be traced.
@@ -51,7 +52,7 @@ fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
 }
 
 //! if visibility is taken
-// Reuses the left view's samples. A pixel with an unknown bit is deferred.
+// Reuses the samples of the source view. A pixel with an unknown bit is deferred.
 
 var<private> put_off: B;
 
@@ -70,8 +71,8 @@ fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
 }
 
 //! if visibility is taken_or_traced
-// Reuses the left view's samples. For an unknown bit the occluder of one of the samples is tested before a shadow ray
-// is traced: a hit proves the shadow.
+// Reuses the samples of the source view. For an unknown bit, the samples' occluders are tested before a shadow ray is
+// traced: a hit proves the shadow.
 
 const TO_SHADE: u32 = TO_LIGHT;
 
@@ -93,7 +94,7 @@ fn light_bits() -> U {
 
 fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {}
 
-// Returns which rays hit an occluder of one of the left samples beside their points.
+// Returns which rays hit an occluder of one of the source samples beside their points.
 fn hidden_likewise(unknown: B, ray: ShadowRay) -> B {
     var hidden: U;
     var index = 0u;
@@ -118,13 +119,15 @@ fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
     taken = taken_bits(pixels, hits, surfaces, busy_at(pixels));
 }
 
-// Does the same if all pixels of the lane are in one tile: its busy lights are read once.
+// Queries the samples like ask_source, for a lane whose pixels are all in one tile. The tile's busy lights are read
+// once.
 fn ask_source_in_tile(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
     taken = taken_bits(pixels, hits, surfaces, U(busy_near(pixel_of_ray(pixels, 0u))));
 }
 
-// Returns the share of a source's rays that arrive, or -1 if unknown. If both samples see all or nothing, it is theirs.
-// Else it is interpolated, if chance explains their difference and the penumbra is not narrow.
+// Returns the share of a source's rays that arrive, or -1 if unknown. If both samples see all of the source or nothing
+// of it, their share is reused. Otherwise the share is interpolated, if chance explains the samples' difference and the
+// penumbra is not narrow.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let bit = light_mask(light);
     if KEEP_SHARES && slot < SHARES && (of_ray_u(taken.busy, ray) & (1u << (16u + slot))) != 0u { return -1.0; }
@@ -152,11 +155,12 @@ fn is_chance(a: f32, b: f32, deviations: f32, count: u32) -> bool {
     return abs(a - b) <= max(by_chance, 1.0 / f32(count));
 }
 
-// Factor on the tolerated deviations between a sample's share and its neighbour's. A penumbra with larger differences
-// is at most some four samples wide. Two samples then say little about what lies between.
+// Factor on the tolerated deviations between the shares of a sample and its neighbour. A penumbra with larger
+// differences is at most about four samples wide. Then two samples say little about the points between them.
 const NARROW: f32 = 2.0;
 
-// Returns whether this holds for one of the samples beside a point and its neighbour on the other side.
+// Returns whether a penumbra is narrow. Each of the two samples beside the point is compared with its neighbour on the
+// far side.
 fn is_narrow(slot: u32, before: f32, after: f32, count: u32, ray: u32) -> bool {
     let pixel = pixel_of_ray(dice, ray);
     let first = place_between(nearest_source(), pixel, view[pixel_index(pixel)].depth).first;

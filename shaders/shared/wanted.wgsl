@@ -16,10 +16,10 @@ fn is_left_out(depth: f32) -> bool { return false; }
 // One bit a pixel of the current view. A texel holds 128 pixels of a row, the first one in the lowest bit.
 var wanted_pixels: texture_2d<u32>;
 
-// Depth of a source pixel that is not wanted. Nothing was seen there, not even sky.
+// Depth of a source pixel that was not wanted. Such a pixel has no sample, not even of the sky.
 const LEFT_OUT: f32 = 0.0;
 
-// Returns the bits of 32 pixels of a row, among them that of `pixel`.
+// Returns the mask's word that contains the bit of `pixel`, with the bits of 32 pixels of a row.
 fn wanted_word(pixel: vec2u) -> u32 {
     return textureLoad(wanted_pixels, vec2u(pixel.x >> 7u, pixel.y), 0)[(pixel.x >> 5u) & 3u];
 }

@@ -12,13 +12,13 @@
 var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> drawing: Drawing;
 
-// Most pixels of a primitive in the first list. Most tiles that a thread draws alone, while the rest of its vector
-// waits.
+// Maximum number of pixels of a primitive in the first list, and of tiles that a thread draws alone. The rest of the
+// thread's vector waits meanwhile.
 const FEW_PIXELS: u32 = 32u;
 const MORE_TILES: u32 = 8u;
-// Tiles of a part. Each thread of a group draws an eighth of them.
+// Number of tiles of a part. Each thread of a group draws an eighth of them.
 const PART_TILES: u32 = 64u;
-// Most parts of a primitive, so that the parts of all primitives can be counted.
+// Maximum number of parts of a primitive, so that the parts of all primitives can be counted.
 const MOST_PARTS: u32 = 64u;
 
 @compute @workgroup_size(LIST_WORKGROUP)
@@ -43,8 +43,8 @@ fn project_primitives(@builtin(global_invocation_id) id: vec3u) {
     count_view(counted_row(), 0u, 1u, 0u);
 }
 
-// Lists a primitive that covers this many tiles in parts, or whole if there is no room. So no thread draws a whole
-// ground.
+// Lists a primitive that covers this many tiles in parts, or whole if there is no room. So no thread draws a very large
+// primitive alone.
 fn list_parts(slot: u32, tiles: u32) {
     var parts = clamp((tiles + PART_TILES - 1u) / PART_TILES, 1u, MOST_PARTS);
     if parts > 1u && atomicAdd(&drawing.further_parts, parts - 1u) + (parts - 1u) > FURTHER_PARTS { parts = 1u; }

@@ -1,4 +1,4 @@
-// Writes what each pixel of a view hits, as trace_hits does, from a T-buffer and the planes. Planes are not drawn,
+// Writes the hit of each pixel of a view, as trace_hits does, from a T-buffer and the planes. Planes are not drawn,
 // since their projections are unbounded. Each ray tests them here, as closest_hit does before traversal. A pixel with a
 // t but no primitive is listed to be traced: on some adapters two kernels of one text may round differently.
 //

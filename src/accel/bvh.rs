@@ -1,4 +1,5 @@
-//! The BVH: built by `obvhs` on the host, and packed for shaders/shared/bvh.wgsl.
+//! The BVH (bounding volume hierarchy). The crate `obvhs` builds it on the host, and this module packs it for
+//! shaders/shared/bvh.wgsl.
 
 mod flat;
 mod primitive;
@@ -25,18 +26,19 @@ use crate::{
 pub enum BvhBuild {
     /// Fast build: for scenes that change with every picture.
     Fast,
-    /// For one picture or a few.
+    /// Compromise of build and traversal time, for scenes rendered once or a few times.
     #[default]
     Balanced,
-    /// The best tree: for scenes rendered many times.
+    /// Slow build of a better tree, for scenes rendered many times.
     Best,
-    /// A list instead of a tree, as in the classical ray tracer: a baseline for measurements, for at most
+    /// A list instead of a tree, as in a classical ray tracer. It is a baseline for measurements and holds at most
     /// [`BvhBuild::MAX_FLAT`] primitives. A closest-hit ray tests every primitive in the scene's order, exact copies
-    /// included. A shadow ray stops at its first hit. The picture equals a tree's, bit for bit if f32 is not
-    /// contracted.
+    /// included. A shadow ray stops at its first hit. The picture is the same as with a tree. It is identical to the
+    /// bit if the driver does not contract f32 operations.
     ///
-    /// A ray also visits a pair of all-enclosing boxes for every eight primitives. A single primitive is tested twice.
-    /// A ray from over 1.2e8 units off the world's origin that leads away from it tests none.
+    /// For every eight primitives, a ray also tests a pair of boxes that enclose everything. The only primitive of a
+    /// scene is tested twice. A ray that starts over 1.2e8 units from the world's origin and leads away from it tests
+    /// no primitive.
     Flat,
 }
 
@@ -61,38 +63,41 @@ impl BvhBuild {
     }
 }
 
-/// Flag of a leaf's link: bits 28 to 30 hold count - 1, the lower bits the first slot.
+/// Flag of a link to a leaf. Bits 28 to 30 of the link hold the number of primitives minus 1. The lower bits hold the
+/// slot of the first primitive, which is its index in packed order.
 pub(crate) const LEAF: u32 = 0x8000_0000;
 const MAX_LEAF: u32 = 8;
 const MAX_SLOTS: usize = (1 << 28) - 8;
-/// Maximum that 16 bits can number.
+/// Maximum number of materials, which have 16-bit indices.
 const MAX_MATERIALS: usize = 1 << 16;
-/// Steps per side of the grid that boxes are stored on.
+/// Number of grid steps along each axis, for boxes with 16-bit corners.
 const GRID: f64 = 65535.0;
-/// If a scene's detail is smaller than this share of it, each box is widened by its own distance.
+/// Size of fine detail, as a fraction of the scene's extent. If detail is smaller, each box is widened in proportion to
+/// its distance from the ray's origin.
 const FINE_DETAIL: f32 = 1.0 / 65536.0;
 
 /// Packed geometry of a scene, ready to upload.
 pub(crate) struct PackedBvh {
     pub(crate) uniform: layout::Bvh,
-    /// Pairs of child boxes, the root's first.
+    /// Boxes and links of the nodes, in pairs of siblings. The children of the root are the first pair.
     pub(crate) nodes: Vec<Texel>,
-    /// Texels per pair: two, or four with f32 boxes.
+    /// Number of texels per pair of nodes: two, or four with f32 boxes.
     pub(crate) pair_texels: usize,
-    /// Texels of the planes, which are in no leaf, then of the primitives in leaf order. A primitive has three texels,
-    /// a fourth if the scene has vertex normals or ellipsoids, and more with texture coordinates or colours.
+    /// Texels of the primitives. Planes come first, since they are in no leaf, and other primitives follow in the order
+    /// of leaves. A primitive has three texels, and a fourth if the scene has vertex normals or ellipsoids. Texture
+    /// coordinates and colours take further texels.
     pub(crate) primitives: Vec<Texel>,
-    /// Cut-out masks made by `cutouts::masks_of`.
+    /// Texels of the cut-out masks, made by `cutouts::masks_of`.
     pub(crate) masks: Vec<Texel>,
-    /// Scene id of each primitive, in the same order.
+    /// Scene id of each primitive, in the order of `primitives`.
     pub(crate) ids: Vec<u32>,
-    /// Connected component of each primitive, by id, from `scene::components`.
+    /// Connected component of each primitive, indexed by scene id; see `scene::components`.
     pub(crate) components: Arc<Vec<u32>>,
     /// Whether boxes are in world coordinates, see `shaders/shared/boxes.wgsl`.
     pub(crate) world_boxes: bool,
-    /// Maximum stack words of a traversal, rounded up to a multiple of 8.
+    /// Maximum number of stack words that a traversal needs, rounded up to a multiple of 8.
     pub(crate) stack_size: u32,
-    /// Whether it is a list ([`BvhBuild::Flat`]), whose boxes enclose everything.
+    /// Whether the tree represents a list ([`BvhBuild::Flat`]), in which all boxes enclose everything.
     pub(crate) flat: bool,
 }
 
@@ -104,7 +109,7 @@ impl PackedBvh {
         scene.plane_ids().for_each(|id| push_primitive(&mut primitives, scene, &components, id));
         Self {
             uniform: layout::Bvh::default(),
-            nodes: vec![[0; 4]; pair_texels], // no kernel of such a scene reads it
+            nodes: vec![[0; 4]; pair_texels], // no kernel reads nodes of such a scene
             pair_texels,
             primitives,
             masks: Vec::new(),
@@ -117,7 +122,7 @@ impl PackedBvh {
     }
 }
 
-/// Returns the boxes of all primitives; empty ones for untraced primitives and for planes.
+/// Returns the bounding boxes of all primitives. Degenerate triangles and planes have empty boxes.
 fn boxes_of(scene: &Scene) -> impl Iterator<Item = Aabb> {
     let triangles = scene.triangles().iter().map(|triangle| {
         let [a, b, c] = triangle.corners;
@@ -127,7 +132,7 @@ fn boxes_of(scene: &Scene) -> impl Iterator<Item = Aabb> {
         }
     });
     let around = |center: Vec3, half: DVec3| {
-        // Rounded outwards: far from the origin a radius can be less than an f32 step.
+        // Corners are rounded outwards, since far from the origin a radius can be less than an f32 step.
         let low = (center.as_dvec3() - half).as_vec3().to_array().map(f32::next_down);
         let high = (center.as_dvec3() + half).as_vec3().to_array().map(f32::next_up);
         Aabb::new(Vec3::from_array(low).into(), Vec3::from_array(high).into())
@@ -143,12 +148,12 @@ fn is_empty(aabb: &Aabb) -> bool {
     aabb.min.x > aabb.max.x
 }
 
-/// Builds the tree of a scene's primitives. It leaves out degenerate triangles and later copies of a primitive, which
-/// must have the same holes if cut out. At equal t the smaller id wins, so no ray hits a copy. (A list,
-/// [`BvhBuild::Flat`], keeps copies.)
+/// Builds the tree of a scene's primitives. The tree leaves out degenerate triangles and exact copies of earlier
+/// primitives. Copies of cut-out triangles must also have the same holes. At equal t the primitive with the smaller id
+/// wins, so no ray would hit a copy. A list ([`BvhBuild::Flat`]) keeps copies.
 ///
 /// # Errors
-/// [`Error::Scene`] if there are more primitives than links can number, or than [`BvhBuild::Flat`] allows.
+/// [`Error::Scene`] if there are more primitives than a link can address, or more than [`BvhBuild::Flat`] allows.
 pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<PackedBvh, Error> {
     let (ids, boxes): (Vec<u32>, Vec<Aabb>) = (0..).zip(boxes_of(scene)).filter(|(_, aabb)| !is_empty(aabb)).unzip();
     let components = Arc::new(components::of(scene));
@@ -181,7 +186,7 @@ pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<Packe
     };
     scene.plane_ids().for_each(|id| packer.push(id));
     let depth = packer.pack_nodes();
-    // The root's sentinel, one link per level, and the rest of an interrupted leaf.
+    // The stack holds a sentinel for the root, one link per level, and the rest of an interrupted leaf.
     let stack_size = (depth + 2).next_multiple_of(8);
     Ok(PackedBvh {
         world_boxes: grid.world,
@@ -206,7 +211,7 @@ fn check_materials(scene: &Scene) -> Result<(), Error> {
     Err(Error::Scene { element: "materials".into(), reason })
 }
 
-/// Returns the texels of a child's box and link.
+/// Returns the number of texels that hold the box and link of a child.
 fn child_texels(boxes: Boxes) -> usize {
     match boxes {
         Boxes::Grid16 => 1,
@@ -214,7 +219,7 @@ fn child_texels(boxes: Boxes) -> usize {
     }
 }
 
-/// A grid of 65535 steps a side over the scene's box; boxes are rounded outwards to it.
+/// A grid of 65535 steps per axis over the scene's bounding box. Box corners are rounded outwards to grid points.
 #[derive(Clone, Copy)]
 struct Grid {
     origin: Vec3,
@@ -229,7 +234,8 @@ impl Grid {
         let (low, high) = (Vec3::from(all.min), Vec3::from(all.max));
         let sides = high.as_dvec3() - low.as_dvec3();
         let extent = sides.max_element() as f32;
-        // A flat side needs a cell too. Rounding up makes the last step reach the far corner.
+        // A cell needs a positive size even if the scene is flat along an axis. Rounding up makes the last step reach
+        // the far corner.
         let least = f64::from(extent.max(f32::MIN_POSITIVE * 1e6)) * 1e-9;
         let cell = (sides / GRID).max(DVec3::splat(least)).as_vec3();
         let cell = Vec3::from_array(cell.to_array().map(|side| side.next_up().next_up()));
@@ -267,7 +273,7 @@ impl Grid {
         }
     }
 
-    /// Packs low x, y, z and high x, y, z as 16 bits each, in three words.
+    /// Packs the coordinates of both corners as 16 bits each, in three words.
     fn pack_16bit(&self, low: Vec3, high: Vec3) -> [u32; 3] {
         let steps = |corner: Vec3| (corner.as_dvec3() - self.origin.as_dvec3()) / self.cell.as_dvec3();
         let low = steps(low).floor().clamp(DVec3::ZERO, DVec3::splat(GRID)).as_uvec3();
@@ -285,7 +291,7 @@ struct Packer<'a> {
     grid: Grid,
     nodes: Vec<Texel>,
     primitives: Vec<Texel>,
-    /// Ids of the packed primitives, in order: planes first.
+    /// Scene ids of the packed primitives, in packed order.
     packed: Vec<u32>,
 }
 
@@ -299,7 +305,8 @@ impl Packer<'_> {
             return 1;
         }
         let mut deepest = 0;
-        // (first of two obvhs nodes, texel that receives the link to their pair, depth)
+        // An entry has the first of two sibling nodes of obvhs, the texel that receives the link to their pair, and
+        // their depth.
         let mut pending: Vec<(usize, Option<usize>, u32)> = vec![(root.first_index as usize, None, 1)];
         while let Some((first, link, depth)) = pending.pop() {
             let child_texels = child_texels(self.kind);
@@ -323,8 +330,8 @@ impl Packer<'_> {
         deepest
     }
 
-    /// Packs a tree of one leaf as two halves, since the root must be a pair. A single primitive is tested twice, which
-    /// changes no hit.
+    /// Packs a tree of one leaf as two leaves, since the first nodes must be a pair. Each leaf gets half of the
+    /// primitives. A single primitive is in both leaves. A ray tests it twice, which changes no hit.
     fn pack_single_leaf(&mut self) {
         let root = self.tree.nodes[0];
         let half = root.prim_count / 2;
@@ -350,7 +357,7 @@ impl Packer<'_> {
     }
 }
 
-/// Returns whether one primitive in ten is far smaller than the scene.
+/// Returns whether more than a tenth of the primitives are smaller than [`FINE_DETAIL`] times the scene's extent.
 fn has_fine_detail(boxes: impl Iterator<Item = Aabb>) -> bool {
     let side = |aabb: &Aabb| Vec3::from(aabb.max - aabb.min).max_element();
     let mut all = Aabb::empty();

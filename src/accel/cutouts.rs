@@ -1,5 +1,5 @@
-//! Cut-out masks as `shaders/shared/cutouts.wgsl` reads them: a bit per texture pixel. They follow a scene's nodes and
-//! primitives, since kernels that only find hits bind nothing else.
+//! Cut-out masks in the format of `shaders/shared/cutouts.wgsl`, with one bit per texture pixel. They are stored after
+//! a scene's nodes and primitives, since kernels that only find hits bind no other scene data.
 
 use std::collections::HashMap;
 
@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::{Scene, Texture, TextureKind, accel::table::wrap_number, gpu::Texel, scene::material::MASK_ALPHA};
 
-/// Pixels per texel.
+/// Number of texture pixels per texel of a mask.
 const MASK_PIXELS: usize = 128;
 /// Rec. 709 luminance weights.
 const BRIGHTNESS: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
@@ -19,12 +19,12 @@ pub(crate) fn cutouts_of(scene: &Scene) -> Vec<(usize, Texture)> {
     cut_out.map(|(index, id)| (index, scene.textures()[id.0 as usize].clone())).collect()
 }
 
-/// Returns a head for each material, then the masks; empty if no material is cut out.
+/// Returns one header texel for each material, then the masks. The list is empty if no material is cut out.
 pub(crate) fn masks_of(scene: &Scene) -> Vec<Texel> {
     if !scene.is_cut_out() {
         return Vec::new();
     }
-    // Whole materials share a mask of one solid pixel.
+    // Materials without cut-outs share a mask of one solid pixel.
     let count = scene.materials().len();
     let mut texels = vec![[count as u32, 1, 1, 0]; count];
     texels.push([u32::MAX; 4]);
@@ -51,7 +51,7 @@ fn size_of(texture: &Texture) -> [u32; 2] {
     }
 }
 
-/// Appends the bits of a texture's pixels or squares, row by row from the bottom.
+/// Appends a bit for each pixel of an image, or each square of a checkerboard, row by row from the bottom.
 fn push_mask(texels: &mut Vec<Texel>, texture: &Texture) {
     let begin = texels.len();
     let [width, height] = size_of(texture).map(|side| side as usize);
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::{Material, Wrap};
 
-    /// Reads a bit as kernels do.
+    /// Reads a bit of a material's mask as kernels do.
     fn bit(texels: &[Texel], material: usize, column: u32, row: u32) -> bool {
         let [begin, width, ..] = texels[material];
         let pixel = row * width + column;

@@ -1,8 +1,8 @@
 //! The layout of a BVH in the one texture or storage buffer that kernels read (`shaders/shared/fetch.wgsl`).
 //!
 //! The root's pair comes first, then the primitives, then all other pairs, then cut-out masks. Primitives thus begin at
-//! the same place for any scene size, so kernels need no offset for them. Links are indices of pairs from the first
-//! texel on; only they tell where the other pairs begin.
+//! the same index for any scene size, so kernels need no offset for them. Links are indices of pairs, counted from the
+//! first texel. Kernels reach all other pairs through links only.
 
 use crate::{
     accel::bvh::{LEAF, PackedBvh},
@@ -17,7 +17,7 @@ const WIDTH: usize = TEXTURE_WIDTH as usize;
 pub(crate) struct GeometryTexels<'a> {
     packed: &'a PackedBvh,
     fetch: Fetch,
-    /// Texels per primitive.
+    /// Number of texels per primitive.
     each: usize,
 }
 
@@ -45,7 +45,7 @@ impl<'a> GeometryTexels<'a> {
         texels.resize(self.primitives_begin(), [0; 4]);
         match self.fetch {
             // A row of primitives is stored as one row of their first texels, then one row of their second texels, and
-            // so on. All texels of a primitive thus stand in one column.
+            // so on. All texels of a primitive are thus in one column.
             Fetch::Texture => {
                 for chunk in primitives.chunks(WIDTH * self.each.max(1)) {
                     for texel in 0..self.each {
@@ -126,7 +126,7 @@ mod tests {
                         assert_eq!(found, packed.primitives[3 * slot + texel], "{slot} {fetch:?}");
                     }
                 }
-                // Compares both trees from their roots: as packed, and as laid out.
+                // Compares the packed tree with the laid-out tree, starting from their roots.
                 let mut pending = if count == 0 { vec![] } else { vec![(0, 0)] };
                 let mut visited = 0;
                 while let Some((ours, theirs)) = pending.pop() {

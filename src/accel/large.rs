@@ -1,13 +1,15 @@
-//! Large primitives. If an eye or a light is so close to one that f32 is too coarse, kernels compute t with twice the
-//! precision (`shaders/shared/double_float.wgsl`). Other scenes do not pay for it.
+//! Tests whether an eye or a light is close to a large primitive. There f32 is too coarse, so kernels compute t with
+//! twice the precision (`shaders/shared/double_float.wgsl`). Kernels of other scenes do not have this cost.
 
 use glam::{DVec3, Vec3};
 
 use crate::{Scene, Sphere, accel::bvh::reach_bits, kernel::layout::LARGE, scene::ToSphere};
 
-/// `CANCELLED` of ellipsoid.wgsl.
+/// Fraction of the cancellation in the map's products; `CANCELLED` in ellipsoid.wgsl. If an origin is closer to the
+/// sphere than that, rounding of the products affects t.
 const CANCELLED: f32 = 0.25;
-/// Number of largest primitives that are checked. If a scene has more, hits on the others are slightly less exact.
+/// Maximum number of primitives of each kind that are checked, the largest ones. If a scene has more, hits on the
+/// others may be slightly less exact.
 const MOST: usize = 1024;
 
 /// The largest primitives of a scene.
@@ -15,7 +17,7 @@ const MOST: usize = 1024;
 pub(crate) struct LargePrimitives {
     triangles: Vec<[Vec3; 3]>,
     spheres: Vec<Sphere>,
-    /// Centres and maps to spheres.
+    /// Centre of each ellipsoid, and the map that turns the ellipsoid into a sphere.
     ellipsoids: Vec<(Vec3, ToSphere)>,
 }
 
@@ -32,7 +34,7 @@ impl LargePrimitives {
         }
     }
 
-    /// Returns whether one of the primitives is large for one of these points.
+    /// Returns whether one of these points is so close to a large primitive that t must be computed in sums of two f32.
     pub(crate) fn any_close_to(&self, points: &[Vec3]) -> bool {
         points.iter().any(|&point| {
             self.triangles.iter().any(|corners| is_over(point, *corners) && is_close(point, *corners))
@@ -42,7 +44,7 @@ impl LargePrimitives {
     }
 }
 
-/// Returns whether t must be computed in sums of two f32.
+/// Returns whether the t of rays from `origin` to a triangle must be computed in sums of two f32.
 pub(crate) fn is_close(origin: Vec3, corners: [Vec3; 3]) -> bool {
     let reach = f32::from_bits(reach_bits(corners));
     let [a, b, c] = corners.map(|corner| corner - origin);
@@ -51,7 +53,7 @@ pub(crate) fn is_close(origin: Vec3, corners: [Vec3; 3]) -> bool {
     normal.dot(a).abs() * LARGE < normal.dot(normal).sqrt() * reach && beside
 }
 
-/// Returns whether t must be computed in sums of two f32.
+/// Returns whether the t of rays from `origin` to a sphere must be computed in sums of two f32.
 pub(crate) fn is_close_sphere(origin: Vec3, center: Vec3, radius: f32) -> bool {
     is_close_to_centered(center - origin, radius)
 }
@@ -60,8 +62,8 @@ fn is_close_to_centered(to_center: Vec3, radius: f32) -> bool {
     (to_center.dot(to_center) - radius * radius).abs() < 0.5 * radius * radius
 }
 
-/// Returns whether t must be computed in sums of two f32, for the sphere's size or for cancellation in the map's
-/// products.
+/// Returns whether the t of rays from `origin` to an ellipsoid must be computed in sums of two f32. The cause is either
+/// the size of the sphere or cancellation in the map's products.
 pub(crate) fn is_close_ellipsoid(origin: Vec3, center: Vec3, map: &ToSphere) -> bool {
     let from_origin = center - origin;
     let to_center = mapped(map, from_origin);
@@ -86,7 +88,7 @@ fn is_over(point: Vec3, corners: [Vec3; 3]) -> bool {
     foot.cmpge(a.min(b).min(c) - aside).all() && foot.cmple(a.max(b).max(c) + aside).all()
 }
 
-/// Returns the `MOST` largest items, unordered. Keeps at most twice as many at a time.
+/// Returns the `MOST` largest items, unordered. Memory holds at most twice as many items at a time.
 fn largest<T>(all: impl Iterator<Item = T>, size: impl Fn(&T) -> f64) -> Vec<T> {
     let mut kept: Vec<(f64, T)> = Vec::new();
     let mut least = f64::NEG_INFINITY;
@@ -123,7 +125,7 @@ mod tests {
     fn the_largest_are_those_that_sorting_puts_first() {
         let mut random = Random::new(7);
         for count in [0, 1, MOST, MOST + 1, 2 * MOST, 50 * MOST + 3] {
-            // Few enough sizes that many are equal.
+            // There are so few distinct sizes that many items are equal.
             let all: Vec<f64> = (0..count).map(|_| random.below(5000) as f64).collect();
             let mut found = largest(all.iter().copied(), |&size| size);
             found.sort_by(f64::total_cmp);

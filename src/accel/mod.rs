@@ -1,4 +1,4 @@
-//! The tree of a scene: built by obvhs, packed for kernels, refitted and uploaded.
+//! Scene data for kernels: the tree and its primitives, cut-out masks, and the shading table.
 
 pub(crate) mod bvh;
 pub(crate) mod cutouts;

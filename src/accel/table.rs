@@ -12,23 +12,23 @@ use crate::{
     srgb::linear_of,
 };
 
-/// Texels before the lights.
+/// Number of texels before the lights.
 const HEAD: usize = 3;
 
 /// Rec. 709 luminance weights of linear colours.
 const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
-/// `CHECKERBOARD` in textures.wgsl.
+/// Kind of a checkerboard texture; `CHECKERBOARD` in textures.wgsl.
 const CHECKERBOARD: u32 = 1;
 
-/// Sky and textures, which follow lights and materials in the table, and their offset. Changed lighting leaves them as
-/// they are.
+/// Sky and textures of a shading table, and their offset. They follow the lights and materials in the table. A change
+/// of lighting does not change them.
 #[derive(Clone, Debug)]
 pub(crate) struct Pictures {
     at: usize,
     sky: Option<SkyMap>,
     textures: Vec<Texture>,
-    /// Set once the sky's texels have their sampling weights.
+    /// Set as soon as the texels of the sky map contain their sampling weights.
     weighed: OnceLock<()>,
 }
 
@@ -39,7 +39,8 @@ impl Pictures {
         Self { at: ShadingTable::of(scene).before_pictures(), sky, textures, weighed: OnceLock::new() }
     }
 
-    /// Returns the texels of a sky map without weights yet, and the index of the first one.
+    /// Returns the index of the sky map's first texel, and its texels with their sampling weights. Returns `None`
+    /// without a sky map, or if the uploaded texels already have weights.
     pub(crate) fn sky_to_weigh(&self) -> Option<(usize, impl Iterator<Item = Texel> + Send + use<'_>)> {
         let sky = self.sky.as_ref().filter(|_| self.weighed.get().is_none())?;
         let weights = weights_of(sky);
@@ -63,12 +64,12 @@ impl Pictures {
     }
 }
 
-/// The table of a scene.
+/// The shading table of a scene.
 pub(crate) struct ShadingTable<'a> {
     scene: &'a Scene,
-    /// Texels per material.
+    /// Number of texels per material.
     each: usize,
-    /// Texels per light.
+    /// Number of texels per light.
     each_light: usize,
 }
 
@@ -93,7 +94,7 @@ impl<'a> ShadingTable<'a> {
         self.before_textures() + self.textures().iter().map(|texture| 1 + body_texels(texture)).sum::<usize>()
     }
 
-    /// Returns the textures; none if no surface is textured.
+    /// Returns the scene's textures, or an empty list if no surface is textured.
     fn textures(&self) -> &'a [Texture] {
         if self.scene.is_textured() { self.scene.textures() } else { &[] }
     }
@@ -142,8 +143,9 @@ fn sky_pixels(scene: &Scene) -> &[Vec3] {
 }
 
 /// Returns the sampling weights of a sky map's pixels (`sky_light.wgsl`). A pixel holds the cumulative share of its
-/// row's weight, up to and including itself. In the last column, where that is always 1, it holds the cumulative share
-/// of the total weight up to and including its row. In the last pixel, where that is 1 too, it holds the mean weight.
+/// row's weight, up to and including the pixel. That share is always 1 in the last column. Pixels there hold the
+/// cumulative share of the total weight instead, up to and including their row. The last pixel, where that share is 1
+/// too, holds the mean weight.
 fn weights_of(sky: &SkyMap) -> Vec<f32> {
     let [width, height] = sky.size().map(|side| side as usize);
     let mut shares = Vec::with_capacity(width * height);
@@ -176,15 +178,15 @@ fn share_of(part: f64, whole: f64) -> f32 {
     if whole > 0.0 { (part / whole) as f32 } else { 0.0 }
 }
 
-/// Returns approximately the solid angle of a row's pixels relative to pixels at the horizon, as `row_weight` of
-/// `sky_light.wgsl`.
+/// Returns the approximate solid angle of a pixel in a row, relative to a pixel at the horizon. `row_weight` of
+/// `sky_light.wgsl` computes the same.
 fn row_weight(row: usize, rows: usize) -> f64 {
     let down = (row as f64 + 0.5) / rows as f64;
     let arc = 4.0 * down * (1.0 - down);
     arc * (0.775 + 0.225 * arc)
 }
 
-/// Returns the texels of a light (soft.wgsl) whose position is relative to the scene's origin.
+/// Returns the texels of a light (soft.wgsl). `place` is its position relative to the scene's origin.
 fn light_of(light: &Light, place: Vec3) -> [Texel; 4] {
     let (kind, size, sides) = match light.shape {
         LightShape::Point => (0, 0.0, [Vec3::ZERO; 2]),
@@ -204,7 +206,7 @@ fn material_of(material: &Material) -> [Texel; 4] {
         Finish::Mirror { fresnel } => (1, fresnel, Vec3::ZERO, 1.0),
         Finish::Glass { index, transmission, fresnel } => (2, fresnel, transmission, index),
     };
-    // Glass takes its opacity from its transmission.
+    // The transmission of glass takes the place of opacity.
     let opacity = if kind == 2 { 1.0 } else { material.opacity };
     let finish = kind | u32::from(fresnel) << 2 | u32::from(opacity < 1.0) << 3;
     [
@@ -218,7 +220,7 @@ fn material_of(material: &Material) -> [Texel; 4] {
     ]
 }
 
-/// Returns `WRAP_REPEAT` and its siblings of textures.wgsl.
+/// Returns the number of a wrap mode, such as `WRAP_REPEAT` in textures.wgsl.
 pub(crate) fn wrap_number(wrap: Wrap) -> u32 {
     match wrap {
         Wrap::Repeat => 0,
@@ -243,7 +245,8 @@ fn body_texels(texture: &Texture) -> usize {
     }
 }
 
-/// Returns the heads of a picture's mip levels, then their pixels; or the colours of a checkerboard.
+/// Returns the texels of a texture after its header. An image has a header for each mip level, then the pixels of all
+/// levels. A checkerboard has two colours.
 fn body_of(texture: &Texture, at: u32) -> Vec<Texel> {
     let (size, pixels) = match texture.kind() {
         TextureKind::Image { size, pixels } => (*size, pixels),
@@ -300,7 +303,8 @@ fn smaller(pixels: &[Vec4], [width, height]: [u32; 2], [to_width, to_height]: [u
     rows.iter().flat_map(|row| columns.iter().map(move |column| mean(row, column))).collect()
 }
 
-/// Returns, for each of `to` pixels, the pixels of a row of `from` that it covers, and their shares.
+/// Returns how a row of `from` pixels is resized to `to` pixels. Each new pixel gets the indices of the old pixels that
+/// it covers, and their weights.
 fn shares(from: u32, to: u32) -> Vec<Vec<(usize, f32)>> {
     let scale = f64::from(from) / f64::from(to);
     let under = |pixel: u32| {

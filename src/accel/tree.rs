@@ -1,9 +1,9 @@
-//! Builds trees over boxes like obvhs, but with bounded depth and in n log n time for any boxes.
+//! Builds trees over boxes like obvhs, but with bounded depth and in O(n log n) time for any boxes.
 //!
 //! In each pass, obvhs merges the nodes that are each other's best partners (PLOC, Meister and Bittner 2018). If boxes
-//! are equal, nested, or in a line at equal distances, a pass may merge a single pair. Time is then quadratic, and the
-//! tree of nested boxes a chain. The passes are therefore made here, where they can be counted. Reinsertion and the
-//! collapse of leaves, which follow, are done by obvhs.
+//! are equal, nested, or in a line at equal distances, a pass may merge a single pair. The time is then quadratic, and
+//! the tree of nested boxes is a chain. This module therefore runs the passes itself and counts them. Afterwards obvhs
+//! optimises the tree by reinsertion and collapses leaves.
 
 use std::cmp::Ordering;
 
@@ -27,24 +27,26 @@ use rayon::{
 
 /// Maximum number of node pairs on a path from the root.
 pub(crate) const MAX_DEPTH: u32 = 240;
-/// Nodes that the passes may visit: `WORK` per box, plus `WORK_BESIDES`. Scenes need 3 to 5 per box, random large boxes
-/// need 9. The surplus of a few hundred equal boxes is small compared with the allowance.
+/// Maximum number of nodes that the passes may visit: `WORK` per box, plus `WORK_BESIDES`. Scenes need 3 to 5 per box,
+/// and random large boxes need 9. A few hundred equal boxes need more per box, but far less than `WORK_BESIDES`.
 const WORK: usize = 32;
 const WORK_BESIDES: usize = 1 << 21;
-/// Passes before a tree that came out too deep is merged in pairs: the fewest that keep most of PLOC's choices.
+/// Number of PLOC passes if a tree came out too deep and is built again. Later passes merge neighbours in pairs. This
+/// is the smallest number that keeps most of PLOC's choices.
 const PASSES_OF_DEEP: usize = 48;
-/// If nodes lie deeper than this, the depth is measured before each round of reinsertion, which may double it.
+/// If sampled nodes lie deeper than this, the depth of the tree is measured before each round of reinsertion. A round
+/// may double the depth.
 const DEEP: u32 = 48;
-/// Depth for which obvhs allocates its stack, which holds twice this depth. A round starts from a shallower tree, so it
-/// can double its depth.
+/// Depth of deep trees that is reported to obvhs, which allocates a stack for twice this depth. A round of reinsertion
+/// starts from a shallower tree, so the stack suffices even if the depth doubles.
 const STACK: usize = 256;
-/// Longer runs of equal Morton codes are sorted by finer codes.
+/// Maximum length of a run of equal Morton codes that is not sorted further. Longer runs are sorted by finer codes.
 const LONG_RUN: usize = 8;
-/// With fewer nodes, one thread is faster than several, as in obvhs. (wasm32 has one.)
+/// With fewer nodes than this, one thread is faster than several, as in obvhs. wasm32 has one thread only.
 #[cfg(not(target_arch = "wasm32"))]
 const PARALLEL: usize = 4000;
 
-/// Builds a tree over boxes. If `compare` finds primitives equal, only the first one's box is in the tree.
+/// Builds a tree over boxes. If `compare` finds primitives equal, only the box of the first primitive is in the tree.
 pub(crate) fn build(boxes: &[Aabb], params: BvhBuildParams, compare: &impl Fn(u32, u32) -> Ordering) -> Bvh2 {
     let extent = boxes.iter().fold(Aabb::empty(), |sum, one| sum.union(one)).diagonal().max_element();
     if extent > 0.0 && extent < 1e-9 {
@@ -90,8 +92,8 @@ fn depth(tree: &Bvh2) -> u32 {
     deepest
 }
 
-/// Runs obvhs's rounds of reinsertion one by one. With nested boxes each may double the depth, and obvhs's stack does
-/// not grow with it.
+/// Runs obvhs's rounds of reinsertion one by one. With nested boxes each round may double the depth, but obvhs's stack
+/// does not grow.
 fn reinsert(tree: &mut Bvh2, optimizer: &mut ReinsertionOptimizer, batch_ratio: f32) {
     for divisor in (1..32).step_by(2) {
         if looks_deep(tree) && depth(tree) > MAX_DEPTH {
@@ -101,8 +103,8 @@ fn reinsert(tree: &mut Bvh2, optimizer: &mut ReinsertionOptimizer, batch_ratio: 
     }
 }
 
-/// Returns whether the tree took many passes, or some of about a hundred sampled nodes lie deep. Measuring all takes
-/// longer.
+/// Returns whether the tree took many passes, or some of about a hundred sampled nodes lie deep. Measuring all nodes
+/// would take longer.
 fn looks_deep(tree: &Bvh2) -> bool {
     let level = |mut index: usize| {
         let mut level = 0;
@@ -116,7 +118,7 @@ fn looks_deep(tree: &Bvh2) -> bool {
     tree.max_depth > DEFAULT_MAX_STACK_DEPTH || (0..tree.parents.len()).step_by(step).any(|index| level(index) > DEEP)
 }
 
-/// Returns the indices of boxes in the Morton order of their centres, without later copies.
+/// Returns the indices of boxes in the Morton order of their centres, without copies of earlier primitives.
 fn in_order(boxes: &[Aabb], precision: SortPrecision, compare: &impl Fn(u32, u32) -> Ordering) -> Vec<u32> {
     let total = boxes.iter().fold(Aabb::empty(), |sum, one| sum.union(one));
     let scale = 1.0 / total.diagonal().as_dvec3();
@@ -159,7 +161,8 @@ fn push_sorted<C: Ord + Copy + Send>(
     }
 }
 
-/// Sorts boxes of equal codes: by finer codes within the box of their centres, or by area if all centres are equal.
+/// Sorts boxes of equal codes. The order is that of finer codes within the bounds of their centres. If all centres are
+/// equal, boxes are sorted by area.
 fn push_run(boxes: &[Aabb], mut run: Vec<u32>, compare: &impl Fn(u32, u32) -> Ordering, order: &mut Vec<u32>) {
     let center = |index: u32| boxes[index as usize].min.as_dvec3() + boxes[index as usize].max.as_dvec3();
     let around = |(low, high): (DVec3, DVec3), &index: &u32| (low.min(center(index)), high.max(center(index)));
@@ -181,7 +184,7 @@ fn push_run(boxes: &[Aabb], mut run: Vec<u32>, compare: &impl Fn(u32, u32) -> Or
 }
 
 /// Runs PLOC over ordered boxes: each pass merges the nodes that are each other's best partners. Once the allowed work
-/// or passes are used up, neighbours are merged in pairs, which halves their number each time.
+/// or passes are used up, neighbours are merged in pairs, so each pass halves the number of nodes.
 fn merged(boxes: &[Aabb], order: &[u32], params: &BvhBuildParams, max_passes: usize) -> Bvh2 {
     let mut nodes: Vec<_> = order.iter().map(|&index| Bvh2Node::new(boxes[index as usize], 1, index)).collect();
     let mut next = nodes.clone();
@@ -227,7 +230,8 @@ fn merged(boxes: &[Aabb], order: &[u32], params: &BvhBuildParams, max_passes: us
     tree
 }
 
-/// Sets each partner's offset so that neighbours are paired. The last of an odd number stays alone.
+/// Sets the offset of each node's partner so that neighbours are paired. If the number of nodes is odd, the last node
+/// is not paired.
 fn pair_neighbours(partners: &mut [isize]) {
     partners.iter_mut().enumerate().for_each(|(index, partner)| *partner = if index % 2 == 0 { 1 } else { -1 });
     if let [.., last] = partners {
@@ -257,10 +261,11 @@ fn find_within<const DISTANCE: usize>(nodes: &[Bvh2Node], partners: &mut [isize]
     find_part::<DISTANCE>(nodes, 0, partners);
 }
 
-/// Finds the partner whose union with a node has the smallest area; the last one of equal candidates.
+/// Finds for each node the partner whose union with the node has the smallest area. Among equal candidates the last one
+/// is chosen.
 fn find_part<const DISTANCE: usize>(nodes: &[Bvh2Node], start: usize, partners: &mut [isize]) {
-    // Areas of node i with the nodes after it, in row i modulo DISTANCE. Those nodes reuse them for the nodes before
-    // them.
+    // Row i modulo DISTANCE holds the areas of the unions of node i with the nodes after it. When the loop reaches one
+    // of those nodes, it reuses the areas.
     let mut areas = [[0.0; DISTANCE]; DISTANCE];
     for index in start.saturating_sub(DISTANCE)..start + partners.len() {
         let mut best = (f32::INFINITY, 0);
@@ -300,7 +305,8 @@ mod tests {
         Aabb::new((center - half).into(), (center + half).into())
     }
 
-    /// Checks that every box is in one leaf of at most eight, and within all boxes above. Returns the depth.
+    /// Checks that every box is in exactly one leaf, and within the boxes of all its ancestors. A leaf must have at
+    /// most eight boxes. Returns the depth.
     fn check(tree: &Bvh2, boxes: &[Aabb]) -> u32 {
         let mut found = vec![0; boxes.len()];
         let mut pending = vec![0];
@@ -354,7 +360,7 @@ mod tests {
         }
     }
 
-    /// Boxes for which obvhs alone takes minutes, or panics.
+    /// For these boxes obvhs alone takes minutes, or panics.
     #[test]
     fn boxes_that_prefer_one_partner_are_built_quickly_and_no_deeper_than_kernels_can_go() {
         let mut random = Random::new(5);
@@ -386,7 +392,8 @@ mod tests {
                 let depth = check(&tree, &boxes);
                 println!("{name}, {build_kind:?}: {depth} deep, {elapsed:.2?}");
                 assert!(depth <= MAX_DEPTH, "{name}, {build_kind:?}: {depth} deep");
-                // It takes up to 1.4 s on a busy machine; with a pass per merged pair it takes a minute or more.
+                // A build takes up to 1.4 s on a busy machine. With a pass per merged pair it would take a minute or
+                // more.
                 assert!(elapsed < Duration::from_secs(15), "{name}, {build_kind:?}: {elapsed:?}");
             }
         }

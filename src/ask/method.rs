@@ -1,4 +1,4 @@
-//! How the right view is made: methods and their variants (DESIGN, section 4).
+//! Methods that make the right view, and their variants (DESIGN, section 4).
 
 use std::{fmt, num::NonZeroU32, str::FromStr};
 
@@ -14,18 +14,19 @@ pub enum Method {
     Auto,
     /// Traces both views: the baseline and the ground truth.
     Naive,
-    /// Copies the left view: the bound on the time that reuse can save. Wrong wherever there is parallax.
+    /// Copies the left view. Its time is a bound on what reuse can save. The picture is wrong wherever there is
+    /// parallax.
     Ideal,
     /// A right pixel reuses the nearest left sample that lands in it, selected by atomicMax (thesis, 3.1.2.2).
     Atomic(Check),
     /// [`Method::Atomic`], but with all samples kept in a 3D buffer that is searched for the nearest (thesis, 3.1.2.1).
     Buffer(BufferDepth, Check),
     /// A right pixel reuses the last sample of Adelson & Hodges' left-to-right sweep. The sweep also clears gaps, which
-    /// are traced. All other pixels are trusted.
+    /// are traced. All other pixels are reused without a check.
     Sweep(Sweep),
-    /// The samples that land in a tile of right pixels bound the depth of its BVH search. Each pixel's own ray is then
-    /// intersected with the primitives found. Only shadow bits are copied (docs/BRACKET.md). Primary visibility is
-    /// exact.
+    /// The samples that land in a tile of right pixels bound the depth of the tile's BVH query. Each pixel's own ray is
+    /// then intersected with the primitives found, so primary visibility is exact. Only visibility bits of lights are
+    /// reused (docs/BRACKET.md).
     Bracket(ShadowReuse),
 }
 
@@ -33,25 +34,25 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Check {
-    /// All of them, by length-limited any-hit rays (thesis, 3.1.3).
+    /// Checks all reused pixels by length-limited any-hit rays (thesis, 3.1.3).
     All,
-    /// None by rays. A pixel is traced if its left sample has a neighbour of another object, or one over 1 px of
-    /// parallax away. The others are trusted (thesis, future work).
+    /// Checks no pixel by a ray. A pixel is traced if a neighbour of its left sample shows another object, or differs
+    /// by over 1 px of parallax. Other pixels are trusted (thesis, future work).
     Edges,
-    /// None: every sample is trusted.
+    /// Checks no pixel: every reused sample is trusted.
     None,
 }
 
-/// Slots per right pixel of the 3D buffer.
+/// Number of slots per right pixel in the 3D buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum BufferDepth {
-    /// A fixed number.
+    /// A fixed number of slots.
     Fixed(NonZeroU32),
     /// `2 e_px`, rounded up: the thesis's choice. For parallel cameras, twice the disparity at the target. It is one
     /// slot short from nearest depth d/2 on (DESIGN, section 2).
     TwiceInteraxial,
-    /// Lemma 1's bound from the depth range of the left view: no candidate is lost.
+    /// Lemma 1's bound, computed from the depth range of the left view. No candidate is lost.
     Adaptive,
 }
 
@@ -65,15 +66,16 @@ pub enum Sweep {
     Sequential,
 }
 
-/// Which of the left view's shadow bits right pixels reuse ([`Method::Bracket`]).
+/// Which visibility bits of the left view right pixels reuse ([`Method::Bracket`]). A bit says whether a light is
+/// visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ShadowReuse {
-    /// None: every shadow ray is traced, and the picture is identical to `Naive`'s.
+    /// Reuses no bits: every shadow ray is traced, and the picture is identical to that of [`Method::Naive`].
     Rays,
-    /// Bits in which the two left samples beside the point agree.
+    /// Reuses a bit if the two left samples next to the point agree on it.
     Two,
-    /// Bits in which the block of 2x3 left samples around the point agrees, where normals are similar.
+    /// Reuses a bit if all 2x3 left samples around the point agree on it and their normals are similar.
     Block,
 }
 
@@ -86,12 +88,12 @@ impl Method {
     pub const ES_ISLER: Self = Self::Sweep(Sweep::Scanline);
     /// Adelson & Hodges' method: the sweep on the host. Makes the same picture as [`Method::ES_ISLER`].
     pub const ADELSON_HODGES: Self = Self::Sweep(Sweep::Sequential);
-    /// One BVH query per tile of right pixels, bounded by the left samples that land there. Reuses shadow bits of the
-    /// two left samples beside each point.
+    /// One BVH query per tile of right pixels, bounded by the left samples that land there. Reuses visibility bits of
+    /// the two left samples next to each point.
     pub const BRACKET: Self = Self::Bracket(ShadowReuse::Two);
-    /// [`Method::BRACKET`] with shadow bits of 2x3 samples.
+    /// [`Method::BRACKET`] with visibility bits of 2x3 left samples.
     pub const VERIFIED: Self = Self::Bracket(ShadowReuse::Block);
-    /// [`Method::BRACKET`] without shadow bits: as exact as [`Method::Naive`].
+    /// [`Method::BRACKET`] without reuse of visibility bits. It is as exact as [`Method::Naive`].
     pub const BRACKET_RAYS: Self = Self::Bracket(ShadowReuse::Rays);
     /// All methods with a name, in the order of tables.
     pub const ALL: &'static [Self] = &[
@@ -136,7 +138,7 @@ impl FromStr for Method {
     type Err = Error;
 
     /// Parses a name of [`Method::ALL`], or `buffer-N` for N slots. `atomic` and the `buffer` names take a suffix:
-    /// `-unchecked` trusts all reused pixels, `-edges` those away from edges.
+    /// `-unchecked` trusts all reused pixels, and `-edges` trusts reused pixels away from edges.
     fn from_str(name: &str) -> Result<Self, Error> {
         if let Some(method) = Self::ALL.iter().find(|method| method.to_string() == name) {
             return Ok(*method);

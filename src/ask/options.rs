@@ -2,8 +2,8 @@
 
 use crate::{Error, Filter, Method, ShadowBuffer, Visibility, ask, srgb};
 
-/// Options of a frame. It can't be written as `Options { .. }`, since fields may be added: set them by methods of the
-/// same names, or assign them.
+/// Options of a frame. Set fields by the methods of the same names, or assign them. Callers can't write `Options { ..
+/// }`, since later versions may add fields.
 ///
 /// ```
 /// use stereotrace::{Method, Options, Tone};
@@ -90,7 +90,8 @@ impl Tone {
     }
 }
 
-/// Ambient occlusion: the share of cosine-distributed rays from a point that meet nothing scales its ambient light.
+/// Ambient occlusion. The ambient light of a point is multiplied by the fraction of cosine-distributed rays from the
+/// point that hit nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct AmbientOcclusion {
@@ -134,12 +135,12 @@ impl Adaptive {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Penumbra {
-    /// Reuses a share only where both samples beside a point see all or nothing. In a penumbra the view traces its own
-    /// rays.
+    /// Reuses a share only where both samples next to a point see all of the light, or both see none. In a penumbra the
+    /// view traces its own rays.
     Exact,
-    /// Also interpolates shares. The two samples' shares must differ by no more than chance explains, and each by no
-    /// more than twice that from the next sample's. In narrower penumbrae the view traces its own rays. This applies to
-    /// the first six sources: the sky or occlusion, then extended lights. It requires
+    /// Also interpolates shares. The shares of the two samples may differ by no more than chance explains. Each of them
+    /// may differ from the next sample's share by no more than twice that amount. In narrower penumbrae the view traces
+    /// its own rays. This applies to the first six sources: the sky or occlusion, then extended lights. It requires
     /// [`ShadowReuse::Two`](crate::ShadowReuse); other methods behave as with `Exact`.
     Shared {
         /// Largest difference of two shares, in standard deviations, that counts as chance; above 0.
@@ -162,8 +163,8 @@ impl Penumbra {
     }
 }
 
-/// Maximum number of rays from a point to an extended light, to its surroundings, or to the sky. More samples per pixel
-/// multiply it.
+/// Maximum number of rays from a point to an extended light, to its surroundings, or to the sky. The number of samples
+/// per pixel multiplies this number.
 pub const MAX_SOFT_RAYS: u32 = 32;
 
 /// Maximum of [`Options::bounces`].
@@ -241,16 +242,16 @@ impl Options {
 
     /// Sets the number of samples per pixel: 1, 4, 9, 16, 25, 36, 49 or 64. Frames with any other number are errors.
     ///
-    /// Samples stand in the cells of a square grid, at the same places in all views ([`Options::jitter`]). Their
-    /// colours are filtered by [`Options::filter`] in linear light. The number multiplies rays and time. Memory grows
-    /// by one band of rows of samples, for any height of picture.
+    /// Samples lie in the cells of a square grid, at the same positions in all views ([`Options::jitter`]). Their
+    /// colours are filtered by [`Options::filter`] in linear light. Rays and time grow in proportion to the number of
+    /// samples. Memory grows by one band of rows of samples, for any height of the picture.
     ///
     /// [`View::cost`](crate::View::cost), [`Statistics`](crate::Statistics) and [`Work`](crate::Work) count all rays.
-    /// Depth, ids and pixel sources are not filtered: they come from one ray through the pixel's centre. Without jitter
-    /// that is the middle sample of odd grids (9, 25, 49). Other grids have no sample there. So a picture of one sample
-    /// is rendered as well, and kept until the rows of the other are done. [`GBuffer::None`] skips that picture. Then
-    /// [`PixelSource`](crate::PixelSource) and [`ShadowSource`](crate::ShadowSource) come from the middle cell, or from
-    /// the cell right of and below the middle.
+    /// Depth, ids and pixel sources are not filtered: they come from one ray through the pixel's centre. Without
+    /// jitter, odd grids (9, 25, 49) have their middle sample there. Other grids have no sample there. A second picture
+    /// with one sample per pixel is then rendered too, and its rows are kept until those of the first are done.
+    /// [`GBuffer::None`] skips the second picture. Then [`PixelSource`](crate::PixelSource) and
+    /// [`ShadowSource`](crate::ShadowSource) come from the middle cell, or from the cell right of and below the middle.
     pub fn samples(mut self, samples: u32) -> Self {
         self.samples = samples;
         self
@@ -265,16 +266,17 @@ impl Options {
     /// Enables adaptive supersampling (Whitted 1980), in stereo (Adelson & Hodges 1993, "Reflection and Refraction with
     /// Multiple Rays Per Pixel").
     ///
-    /// A sample stands in each pixel corner, shared by the neighbouring pixels. A pixel whose displayed corners differ
-    /// by more than the tolerance in some channel is divided into four, with five more samples. It is also divided if
-    /// another view divides the cell that shows the same point. Cells are divided again in the same way. A pixel's
-    /// colour is the mean of its parts, in linear light.
+    /// There is a sample at each pixel corner, which the neighbouring pixels share. A pixel whose displayed corners
+    /// differ by more than the tolerance in some channel is divided into four, with five more samples. It is also
+    /// divided if another view divides the cell that shows the same point. Cells are divided again in the same way. A
+    /// divided cell's colour is the mean of its four cells, in linear light.
     ///
     /// It requires one sample per pixel, the filter `Box`, and [`Method::Naive`], [`Method::Ideal`],
     /// [`Method::Bracket`] or [`Method::Auto`]. Other settings are errors. Source views trace the corners of a divided
-    /// cell again, since samples for reuse are not kept between levels. That is a quarter of their rays. Depth, ids and
-    /// pixel sources come from one more ray through the pixel's centre. With [`GBuffer::None`] that ray is not traced,
-    /// and pixel and shadow sources are those of the sample in the upper left corner.
+    /// cell again, since samples for reuse are not kept between levels. These repeated rays are a quarter of the rays
+    /// of source views. Depth, ids and pixel sources come from one more ray through the pixel's centre. With
+    /// [`GBuffer::None`] that ray is not traced, and pixel and shadow sources are those of the sample in the upper left
+    /// corner.
     pub fn adaptive(mut self, adaptive: impl Into<Option<Adaptive>>) -> Self {
         self.adaptive = adaptive.into();
         self

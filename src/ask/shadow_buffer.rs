@@ -6,9 +6,9 @@ use crate::{Error, Options};
 pub const MAX_SHADOW_BUFFERS: usize = 16;
 
 /// Shadow-buffers (Raghuvanshi & Dhande, "Raytraced rendering using t-buffer and shadow-buffer"): a table of directions
-/// around each point light with the nearest surface in each direction. Shaded points query it instead of tracing shadow
-/// rays, by their [`ShadowRule`]. Tables depend on lights and geometry only. They are filled once and kept with the
-/// uploaded scene, for any number of views and frames.
+/// around each point light with the nearest surface in each direction. Shaded points query this table by a
+/// [`ShadowRule`] instead of tracing shadow rays. Tables depend on lights and geometry only. They are filled once and
+/// kept with the uploaded scene, for any number of views and frames.
 ///
 /// ```
 /// use stereotrace::{Options, ShadowBuffer, ShadowRule};
@@ -20,8 +20,8 @@ pub const MAX_SHADOW_BUFFERS: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShadowBuffer {
-    /// Rows of a table, from pole to pole of the sphere around the light, at least 1. It has twice as many columns. A
-    /// texel takes 8 bytes, or 16 with [`ShadowRule::Hybrid`].
+    /// Rows of a table, from pole to pole of the sphere around the light, at least 1. A table has twice as many columns
+    /// as rows. A texel takes 8 bytes, or 16 with [`ShadowRule::Hybrid`].
     pub rows: u32,
     /// How a shaded point uses the texels around its direction.
     pub rule: ShadowRule,
@@ -46,9 +46,9 @@ pub enum ShadowRule {
     /// (`docs/SHADOW-BUFFER.md`). Without a margin the shadows equal those of rays, except for occluders less than 2⁻¹⁸
     /// of the light's distance off a surface.
     Hybrid {
-        /// Distance in texel widths, at least 0. An occluder less than this in front of a texel's plane is ignored. A
-        /// point of a curved surface may lie this far behind the plane. Occluders this close to a surface may cast no
-        /// shadow on it.
+        /// Distance in texel widths, at least 0. An occluder is ignored if it lies in front of a texel's plane by less
+        /// than this distance. A point of a curved surface may lie this far behind the plane. Occluders this close to a
+        /// surface may cast no shadow on it.
         margin: f32,
     },
 }
@@ -111,10 +111,11 @@ impl ShadowBuffer {
 }
 
 impl Options {
-    /// Sets shadow-buffers for point lights. They replace shadow rays, or some of them, as the rule says, in both eyes
-    /// alike. With [`Method::Bracket`](crate::Method::Bracket), visibility bits of the source view come first. The
-    /// first 16 point lights among the first 32 lights have a buffer. Shadow rays remain for other lights, for lights
-    /// farther away than 64 times the scene's longest side, and in frames [in steps](crate::Statistics::in_steps).
+    /// Sets shadow-buffers for point lights. They replace all or some shadow rays, as the rule says, in the same way
+    /// for both eyes. With [`Method::Bracket`](crate::Method::Bracket), reused visibility bits of the source view take
+    /// precedence. The first 16 point lights among the first 32 lights have a buffer. Shadow rays remain for other
+    /// lights, for lights farther away than 64 times the scene's longest side, and in frames [in
+    /// steps](crate::Statistics::in_steps).
     pub fn shadow_buffer(mut self, shadow_buffer: impl Into<Option<ShadowBuffer>>) -> Self {
         self.shadow_buffer = shadow_buffer.into();
         self

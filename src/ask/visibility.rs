@@ -9,8 +9,8 @@ use crate::{Error, Options};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Visibility {
-    /// Traces each pixel's ray through the BVH. The default, since no measurement was faster with a T-buffer; figures
-    /// are in docs/T-BUFFER.md.
+    /// Traces each pixel's ray through the BVH. This is the default, since no measurement was faster with a T-buffer
+    /// (docs/T-BUFFER.md).
     #[default]
     Rays,
     /// Projects each primitive onto the pixels, tests it against their rays, and keeps the nearest t of each pixel

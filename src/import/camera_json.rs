@@ -1,5 +1,5 @@
-//! JSON of a camera's settings. Unlike [`Pose`](crate::Pose) it tells, for example, whether the interaxial was given in
-//! pixels.
+//! Writes and reads a camera's settings as JSON. Unlike [`Pose`](crate::Pose), the settings record, for example,
+//! whether the interaxial was given in pixels.
 
 use std::path::Path;
 

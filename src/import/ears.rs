@@ -1,4 +1,6 @@
-//! Ear clipping of plane polygons.
+//! Clips the ears of plane polygons.
+//! Every corner is kept, so that neighbouring faces have no gaps and corners keep their normals. The crate `earcut`
+//! (0.4) leaves the tests' comb uncovered, and takes over a minute for 100,000 corners.
 
 use std::collections::VecDeque;
 
@@ -13,8 +15,8 @@ const STEPS_PER_CORNER: usize = 500;
 pub(crate) fn cut_ears(points: &[DVec2]) -> Option<Vec<[usize; 3]>> {
     let mut ring = Ring::new(points);
     let mut ears = Vec::with_capacity(points.len() - 2);
-    // Ears that the polygon touches, and those without area, are only cut if there are no others. They occur where an
-    // edge there and back joins a hole to the outline.
+    // Ears that the polygon touches, and those without area, are only cut if there are no others. They occur where a
+    // doubled edge joins a hole to the outline.
     for touched in [false, true] {
         let mut queue: VecDeque<usize> = (0..points.len()).filter(|&corner| !ring.is_cut[corner]).collect();
         while let Some(corner) = queue.pop_front() {
@@ -142,7 +144,7 @@ impl<'a> Ring<'a> {
     }
 }
 
-/// Returns the points' order along Morton's curve, and the place of each in it.
+/// Returns the points' order along the Morton curve, and the position of each point in this order.
 fn in_squares(points: &[DVec2]) -> (Vec<usize>, Vec<usize>) {
     let low = points.iter().copied().reduce(DVec2::min).unwrap_or_default();
     let size = points.iter().fold(0.0, |size: f64, &point| size.max((point - low).max_element()));

@@ -1,4 +1,4 @@
-//! Opens files for reading: only regular files up to a size limit.
+//! Opens regular files up to a size limit for reading.
 
 #[cfg(feature = "scene-files")]
 mod files;

@@ -1,4 +1,4 @@
-//! Readers of files: scenes, cameras and pictures.
+//! Reads files of scenes, cameras and pictures.
 
 #[cfg(feature = "json")]
 pub(crate) mod camera_file;

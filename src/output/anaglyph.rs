@@ -1,4 +1,4 @@
-//! Anaglyphs: both eyes in one picture, separated by coloured glasses.
+//! Makes anaglyphs: one picture of both eyes, which coloured glasses separate.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use super::{Picture, rows};
 use crate::srgb::{encode, to_byte};
 use crate::{Error, View};
 
-/// Rows are the output's R, G, B; columns an eye's R, G, B.
+/// Matrix whose rows are the output's R, G, B and whose columns are an eye's R, G, B.
 type Matrix = [[f32; 3]; 3];
 
 const ZERO: [f32; 3] = [0.0; 3];
@@ -32,16 +32,17 @@ const LUMA_ENCODED: [f32; 3] = [0.299, 0.587, 0.114];
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Anaglyph {
-    /// Red/cyan by Dubois 2001, fitted to the filters and a cathode-ray display: colours with little ghosting.
+    /// Red/cyan by Dubois 2001, fitted to the filters and a cathode-ray display. It keeps colours and has little
+    /// ghosting.
     #[default]
     Dubois,
     /// Red/cyan by Dubois 2009, fitted to an LCD.
     DuboisLcd,
-    /// Red/cyan without colour: the luma of each eye.
+    /// Red/cyan without colour, from the luma of each eye.
     Grey,
-    /// Red/cyan with unchanged channels: the most colour, but retinal rivalry in saturated colours.
+    /// Red/cyan with unchanged channels. It keeps the most colour, but saturated colours cause retinal rivalry.
     Colour,
-    /// Red/cyan with unchanged green and blue, and the left eye's luma as red: less rivalry.
+    /// Red/cyan with unchanged green and blue, and the left eye's luma as red, which causes less rivalry.
     HalfColour,
     /// Green/magenta by Dubois 2009.
     GreenMagenta,
@@ -50,7 +51,7 @@ pub enum Anaglyph {
 }
 
 impl Anaglyph {
-    /// Every kind, the default first.
+    /// All methods, starting with the default.
     pub const ALL: &'static [Self] = &[
         Self::Dubois,
         Self::DuboisLcd,
@@ -83,13 +84,13 @@ impl Anaglyph {
         }
     }
 
-    /// Returns `(M_L, M_R)` of `out = M_L left + M_R right` on linear RGB; rows are the output's R, G, B. Each row of
-    /// both matrices together sums to 1 within 0.002, so white stays white.
+    /// Returns `(M_L, M_R)` of `out = M_L left + M_R right` on linear RGB; rows are the output's R, G, B. In each row,
+    /// the entries of both matrices sum to 1 within 0.002, so white stays white.
     pub fn matrices(self) -> (Matrix, Matrix) {
         self.matrices_with_luma(LUMA_LINEAR)
     }
 
-    /// Returns the matrices for encoded values: `Grey` and `HalfColour` use luma weights of 0.299, 0.587, 0.114 there.
+    /// Returns the matrices for encoded values. `Grey` and `HalfColour` then use luma weights of 0.299, 0.587, 0.114.
     pub fn matrices_encoded(self) -> (Matrix, Matrix) {
         self.matrices_with_luma(LUMA_ENCODED)
     }
@@ -144,7 +145,7 @@ impl FromStr for Anaglyph {
     }
 }
 
-/// Mixes two views in linear light, for which Dubois derived his matrices, then clamps and encodes the result. Views of
+/// Mixes two views in linear light, as Dubois's matrices require, then clamps and encodes the result. Views of
 /// different sizes are mixed where both have pixels, from the top left corner.
 pub fn anaglyph(left: &View, right: &View, kind: Anaglyph) -> Picture {
     let matrices = kind.matrices();
@@ -185,7 +186,7 @@ mod tests {
     const BLACK: [u8; 3] = [0; 3];
     const WHITE: [u8; 3] = [255; 3];
 
-    /// Mixes one pixel in both ways.
+    /// Mixes one pixel in linear light and in encoded values.
     fn mixed(left: [u8; 3], right: [u8; 3], kind: Anaglyph) -> [[u8; 3]; 2] {
         let pair = pair(view(1, &[left]), view(1, &[right]));
         [pair.anaglyph(kind), pair.anaglyph_encoded(kind)].map(|picture| rgb(&picture.rgba8[0]))
@@ -252,7 +253,8 @@ mod tests {
     fn a_red_left_picture_ends_in_the_left_glass_s_channels() {
         let red = [255, 0, 0];
         for &kind in Anaglyph::ALL {
-            // Red is faint through a green glass, but brightest there. A black right eye adds nothing.
+            // Red is faint through the green filter, but the left channel is the brightest one. A black right eye adds
+            // nothing.
             let [out, _] = mixed(red, BLACK, kind);
             let brightest = (0..3).max_by_key(|&channel| out[channel]).unwrap();
             assert_eq!(brightest, left_channels(kind)[0], "{kind} {out:?}");

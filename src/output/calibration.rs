@@ -1,4 +1,4 @@
-//! Cameras in the conventions of stereo vision: Middlebury's `calib.txt`, and a complete JSON file.
+//! Writes cameras in the conventions of stereo vision, as Middlebury's `calib.txt` and as a complete JSON file.
 
 use std::path::Path;
 
@@ -18,7 +18,8 @@ pub(super) fn world_to_camera(pose: &Pose, side: f64) -> [[f64; 4]; 4] {
     [row(right), row(-up), row(forward), [0.0, 0.0, 0.0, 1.0]]
 }
 
-/// Returns the least and the largest disparity of all surfaces of both views, or the sky's if there are none.
+/// Returns the least and the largest disparity of all surfaces of both views, or the sky's disparity if there are no
+/// surfaces.
 fn disparity_range(truth: &GroundTruth) -> [f64; 2] {
     let of = |eye: &EyeTruth| eye.disparity.iter().copied().zip(eye.surfaces()).collect::<Vec<_>>();
     let surfaces = [of(&truth.left), of(&truth.right)].concat();
@@ -79,8 +80,8 @@ mod tests {
         glam::{DVec3, Vec3},
     };
 
-    /// f = 128 px, e = 0.25, `e_px` = 8: the screen, 4 units away and 8 wide, is 256 pixels wide. None of these numbers
-    /// rounds.
+    /// f = 128 px, e = 0.25, `e_px` = 8: the screen, 4 units away and 8 wide, is 256 pixels wide. All these numbers are
+    /// exact in f32.
     pub(super) fn pose() -> Pose {
         let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).size(256, 128);
         camera.screen_width(8.0).interaxial(0.25).pose().unwrap()
@@ -105,11 +106,12 @@ mod tests {
 
     #[test]
     fn calib_txt_is_as_worked_out_by_hand() {
-        // Principal points: 128 -+ 4, from the first pixel's centre. Sky has -8 and is no surface.
+        // Principal points are 128 -+ 4, minus 0.5 since they are relative to the first pixel's centre. Sky has -8 and
+        // is no surface.
         let expected = "cam0=[128 0 123.5; 0 128 63.5; 0 0 1]\ncam1=[128 0 131.5; 0 128 63.5; 0 0 1]\n\
                         doffs=8\nbaseline=0.25\nwidth=256\nheight=128\nndisp=13\nisint=0\nvmin=-2\nvmax=12\ndyavg=0\ndymax=0\n";
         assert_eq!(calib_txt(&truth([11.5, -1.25, -8.0], [0, 1, MISS])), expected);
-        // Sky alone, and points in the plane of the eyes.
+        // Test sky alone, and points in the plane of the eyes.
         assert!(calib_txt(&truth([-8.0; 3], [MISS; 3])).contains("ndisp=1\nisint=0\nvmin=-8\nvmax=-8\n"));
         assert!(calib_txt(&truth([f32::INFINITY, 1.0, 2.0], [0; 3])).contains("vmin=1\nvmax=2\n"));
     }

@@ -1,4 +1,4 @@
-//! `OpenEXR` files of both eyes, as parts with a view name.
+//! Writes both eyes to an `OpenEXR` file, each as a part with a view name.
 
 use std::{io::Cursor, path::Path};
 
@@ -19,7 +19,7 @@ use crate::{Error, EyeTruth, GroundTruth, MISS, Pose, StereoPair, View};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ExrColor {
-    /// 16-bit floats: 11 bits of precision, clamped to 65,504.
+    /// 16-bit floats with 11 bits of precision. Values are clamped to 65,504.
     #[default]
     Half,
     /// 32-bit floats.
@@ -80,7 +80,7 @@ impl Batch {
 }
 
 fn attributes(pose: &Pose, name: &str, side: f64) -> LayerAttributes {
-    // Row vectors need the transposed matrix. y points up here, and down in the frame of intrinsics.
+    // Row vectors need the transposed matrix. `OpenEXR`'s y axis points up, but the y axis of intrinsics points down.
     let rows = world_to_camera(pose, side);
     let turn = [1.0, -1.0, 1.0, 1.0];
     let matrix = std::array::from_fn(|index| (turn[index % 4] * rows[index % 4][index / 4]) as f32);
@@ -189,7 +189,8 @@ mod tests {
                 let eye = pose.eye + pose.right.as_dvec3() * (0.5 * side * f64::from(pose.interaxial));
                 let point = (eye + pose.forward.as_dvec3() + 0.25 * pose.up.as_dvec3()).extend(1.0);
                 let rows = layer.attributes.world_to_camera.unwrap().map(f64::from);
-                // Columns of glam's matrix are the rows that were read: v M is the transposed matrix times v.
+                // glam's columns hold the rows that were read, so this product is the row vector times the file's
+                // matrix.
                 let seen: DVec4 = DMat4::from_cols_array(&rows) * point;
                 assert!(seen.truncate().distance(DVec3::new(0.0, 0.25, 1.0)) < 1e-6, "{seen}");
             }

@@ -1,4 +1,4 @@
-//! File formats of pictures and maps.
+//! Writes pictures and maps in their file formats.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ pub fn save_pfm(path: impl AsRef<Path>, width: u32, height: u32, values: &[f32])
     write_whole(path, &pfm(path, width, height, values)?)
 }
 
-/// Writes one id per pixel, as [`save_pfm`] does; [`MISS`] becomes -1.
+/// Writes one id per pixel in the format of [`save_pfm`]; [`MISS`] becomes -1.
 ///
 /// # Errors
 /// Those of [`save_pfm`], and [`Error::Io`] naming an id over 2^24, above which f32 skips whole numbers.
@@ -116,7 +116,8 @@ impl Picture {
 pub(super) struct PngKind {
     pub(super) color: png::ColorType,
     pub(super) depth: png::BitDepth,
-    /// Whether the samples are sRGB-encoded light, and marked so; otherwise they are numbers.
+    /// Whether the samples are sRGB-encoded light. If so, the file is marked as sRGB; otherwise samples are plain
+    /// numbers.
     pub(super) is_srgb: bool,
 }
 
@@ -134,7 +135,7 @@ impl PngKind {
     }
 }
 
-/// Returns the bytes of a PNG file with these samples; 16-bit samples have the upper byte first.
+/// Returns the bytes of a PNG file with these samples. 16-bit samples are big-endian.
 #[cfg(feature = "png")]
 pub(super) fn png_bytes(path: &Path, width: u32, height: u32, kind: PngKind, samples: &[u8]) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
@@ -157,8 +158,8 @@ impl Batch {
         self.add(path, &picture.png(path)?)
     }
 
-    /// Adds one number per pixel in the format of [`save_pfm`], for example disparities as in Middlebury, depths or
-    /// distances.
+    /// Adds one number per pixel in the format of [`save_pfm`], for example depths, distances, or disparities in
+    /// Middlebury's convention.
     ///
     /// # Errors
     /// Those of [`save_pfm`].
@@ -171,7 +172,7 @@ impl Batch {
     ///
     /// # Errors
     /// Those of [`save_pfm`], and [`Error::Io`] naming an index over 2^24, which f32 does not hold exactly.
-    #[cfg(feature = "png")] // for data sets
+    #[cfg(feature = "png")] // used by data set layouts
     pub(crate) fn add_indices_pfm(
         &mut self,
         path: impl AsRef<Path>,
@@ -228,7 +229,7 @@ mod tests {
     use super::*;
     use crate::folder::Folder;
 
-    /// Reads a grey PFM file by its definition: size, and rows reordered to top row first.
+    /// Reads a grey PFM file by the format's definition. Returns width, height, and the values with the top row first.
     fn read_pfm(path: &Path) -> (usize, usize, Vec<f32>) {
         let bytes = fs::read(path).unwrap();
         let mut lines = bytes.splitn(4, |&byte| byte == b'\n');
@@ -253,7 +254,8 @@ mod tests {
         let path = folder.file("a.pfm");
         save_pfm(&path, 3, 2, &values).unwrap();
         assert_eq!(read_pfm(&path), (3, 2, values.to_vec()));
-        // A wrong row order would read back too if the reader had the same fault. The bottom row comes first.
+        // Compare bytes too, since a reader with the same wrong row order would hide the fault. The bottom row comes
+        // first.
         let mut expected = b"Pf\n3 2\n-1.0\n".to_vec();
         expected.extend([0.0_f32, 1e-30, 6.25, 1.5, -2.0, f32::INFINITY].iter().flat_map(|v| v.to_le_bytes()));
         assert_eq!(fs::read(&path).unwrap(), expected);
@@ -309,7 +311,7 @@ mod tests {
         let read = image::open(&path).unwrap().into_rgba8();
         assert_eq!((read.width(), read.height()), (3, 2));
         assert_eq!(read.as_raw(), rgba8.as_flattened());
-        // The standard's chunk of one byte: relative colorimetric.
+        // The PNG standard's sRGB chunk has one byte, the rendering intent: relative colorimetric.
         assert!(fs::read(&path).unwrap().windows(9).any(|part| part == b"\0\0\0\x01sRGB\x01"));
         assert_eq!(folder.names(), ["a.png"]);
     }

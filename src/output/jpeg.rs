@@ -1,4 +1,4 @@
-//! JPEG files, and files of both eyes: JPS, which is one picture, and MPO, which is two.
+//! Writes JPEG files, and files of both eyes: JPS has one picture of both views, MPO has two pictures.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ const JPS_DESCRIPTOR: &[u8] = b"_JPSJPS_\0\x04\0\0\x02\x01\0\0";
 
 /// Attribute of an MPO image that is one of several views of a scene (CIPA DC-007, "Multi-Frame Image: Disparity").
 const DISPARITY: u32 = 0x0002_0002;
-/// Attribute of the image that is shown if only one is.
+/// Attribute of the image that viewers show if they show only one image.
 const REPRESENTATIVE: u32 = 0x2000_0000;
 /// Unknown numerator and denominator.
 const UNKNOWN: [u32; 2] = [u32::MAX; 2];
@@ -51,7 +51,7 @@ impl Batch {
     }
 
     /// Adds a pair as a JPS file: a JPEG file of both views side by side, the right one on the left
-    /// ([`Packing::CrossEyed`]), with a marker that says so.
+    /// ([`Packing::CrossEyed`]), with a marker that states this layout.
     ///
     /// # Errors
     /// As [`Batch::add_jpeg`].
@@ -101,7 +101,7 @@ fn mpo(path: &Path, left: &[u8], right: &[u8]) -> Result<Vec<u8>, Error> {
     Ok([first, second].concat())
 }
 
-/// Which image of an MPO file. The first one holds the sizes of both and the offset of the second.
+/// Image of an MPO file. The first image holds the sizes of both images and the offset of the second.
 #[derive(Clone, Copy)]
 enum Index {
     First([u32; 3]),
@@ -114,7 +114,7 @@ fn mp_header(index: Index) -> Vec<u8> {
     let mut header = Fields(b"MM\0\x2a\0\0\0\x08".to_vec());
     let number = match index {
         Index::First([first_size, second_size, second_place]) => {
-            // Three fields, then the entries of both images, then the attributes.
+            // The header has three fields, then the entries of both images, then the attributes.
             let entries = header.0.len() as u32 + Fields::bytes(3);
             header.count(3);
             header.version();
@@ -146,7 +146,8 @@ fn mp_header(index: Index) -> Vec<u8> {
 struct Fields(Vec<u8>);
 
 impl Fields {
-    /// Returns the bytes of a list of `count` fields: their number, 12 bytes each, and the offset of the next list.
+    /// Returns the size in bytes of a list of `count` fields. The list has the number of fields, 12 bytes for each
+    /// field, and the offset of the next list.
     fn bytes(count: u32) -> u32 {
         2 + 12 * count + 4
     }
@@ -214,7 +215,7 @@ mod tests {
             (errors.max().unwrap(), bytes.len())
         };
         let ((fine, large), (coarse, small)) = (error_of(100), error_of(20));
-        // Measured: 2 and 18.
+        // The measured values are 2 and 18.
         assert!(fine <= 4 && coarse > 8 && large > small, "{fine} {coarse} {large} {small}");
         let one = written("jpeg1", |batch, path| batch.add_jpeg(path, &view(1, &[[7; 3]]).picture(), 90).unwrap());
         assert_eq!(decoded(&one).dimensions(), (1, 1));
@@ -242,7 +243,7 @@ mod tests {
         let read = decoded(&bytes);
         assert_eq!(read.dimensions(), (32, 8));
         assert!(read.get_pixel(3, 3)[0] > 200 && read.get_pixel(28, 3)[0] < 50);
-        // After SOI and the JFIF segment of 18 bytes: marker, length, and the descriptor.
+        // Marker, length and descriptor follow the SOI marker and the JFIF segment of 18 bytes.
         assert_eq!(bytes[20..24], [0xff, 0xe3, 0, 18]);
         assert_eq!(&bytes[24..40], JPS_DESCRIPTOR);
     }

@@ -1,7 +1,7 @@
-//! Outputs of a pair: anaglyphs, packings of both eyes into one picture, and files.
+//! Makes anaglyphs, packings of both eyes into one picture, and files.
 //!
-//! [`anaglyph()`] and [`packed()`] take the two views by name, so exchanging the arguments exchanges the eyes.
-//! [`StereoPair`] has methods that pass its own eyes in order.
+//! [`anaglyph()`] and [`packed()`] take the left view, then the right view; exchanging the arguments exchanges the
+//! eyes. [`StereoPair`] has methods that pass its own views in this order.
 
 mod anaglyph;
 mod batch;
@@ -36,7 +36,7 @@ pub use quilt::{quilt, quilt_name};
 
 use crate::{StereoPair, View};
 
-/// A finished picture: sRGB with alpha, row-major, `[height][width]`, top row first.
+/// Finished picture in sRGB with alpha, row-major, `[height][width]`, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Picture {
@@ -49,7 +49,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Creates a picture of `width * height` pixels, row-major, top row first. Writing it fails for any other number.
+    /// Creates a picture of `width * height` pixels, row-major, top row first. Writing the picture fails for any other
+    /// number of pixels.
     pub fn new(width: u32, height: u32, rgba8: Vec<[u8; 4]>) -> Self {
         Self { width, height, rgba8 }
     }
@@ -63,8 +64,8 @@ impl View {
 }
 
 impl View {
-    /// Returns the time view (thesis, figure 38): [`View::cost`] in grey, white from `white` nodes and primitive tests
-    /// on. `None` if the view was rendered without costs.
+    /// Returns the time view (thesis, figure 38): [`View::cost`] as grey values. Pixels with at least `white` visited
+    /// nodes and primitive tests are white. `None` if the view was rendered without costs.
     pub fn cost_picture(&self, white: u32) -> Option<Picture> {
         let grey = |&cost: &u32| {
             let level = (255 * u64::from(cost.min(white)) / u64::from(white.max(1))) as u8;
@@ -127,7 +128,7 @@ mod tests {
         if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
     }
 
-    /// Creates a view with these colours, `width` per row; all else is sky.
+    /// Creates a view with these colours, `width` per row; all other data is that of sky.
     pub(super) fn view(width: u32, colors: &[[u8; 3]]) -> View {
         View {
             width,

@@ -1,4 +1,5 @@
-//! Packings: both eyes beside, below or between each other in one picture, for 3D displays and for free viewing.
+//! Packings put both eyes into one picture, side by side, top and bottom or interlaced, for 3D displays or free
+//! viewing.
 
 use std::fmt;
 use std::str::FromStr;
@@ -11,22 +12,22 @@ use crate::{Error, View};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Packing {
-    /// Left eye on the left, right eye on the right: twice as wide as a view. Parallel viewing.
+    /// Left eye on the left, right eye on the right, for parallel viewing. The picture is twice as wide as a view.
     #[default]
     SideBySide,
     /// [`Packing::SideBySide`], squeezed to the width of one view.
     HalfSideBySide,
-    /// Right eye on the left, left eye on the right: twice as wide as a view. Cross-eyed viewing.
+    /// Right eye on the left, left eye on the right, for cross-eyed viewing. The picture is twice as wide as a view.
     CrossEyed,
-    /// Left eye above the right eye: twice as high as a view.
+    /// Left eye above the right eye. The picture is twice as high as a view.
     TopBottom,
     /// [`Packing::TopBottom`], squeezed to the height of one view.
     HalfTopBottom,
-    /// Alternating rows, the left eye's first: the size of a view. For polarised displays.
+    /// Alternating rows for polarised displays, with the left eye's row first. The picture has the size of a view.
     RowInterlaced,
-    /// Alternating columns, the left eye's first: the size of a view.
+    /// Alternating columns, with the left eye's column first. The picture has the size of a view.
     ColumnInterlaced,
-    /// Alternating pixels along rows and columns, the left eye's first: the size of a view.
+    /// Alternating pixels along rows and columns, with the left eye's pixel first. The picture has the size of a view.
     Checkerboard,
 }
 
@@ -73,17 +74,17 @@ impl FromStr for Packing {
     }
 }
 
-/// Packs two views into one picture. The half packings average two pixels in linear light. The last of an odd number
-/// stays alone, so that the picture is one pixel larger than a view.
+/// Packs two views into one picture. The half packings average two pixels in linear light. With an odd number of
+/// columns or rows, the last one is copied, and the picture is one pixel larger than a view.
 ///
-/// The interlaced packings take each pixel from the same place in one of the views, without averaging. Means of two
+/// The interlaced packings copy each pixel from the same column and row of one view, without averaging. Means of two
 /// rows would be half a row off, in opposite directions for the two eyes. Exchange the views for displays whose first
 /// row, column or pixel is the right eye's. Views of different sizes are cut to the rows, or the columns, that both
 /// have.
 ///
-/// `FFmpeg`'s `stereo3d` has these packings as sbsl, sbs2l, sbsr, abl and ab2l. It has the interlaced ones as irl, icl
-/// and chl, or irr, icr and chr with the right eye first. For these it needs pictures halved by dropping every other
-/// row, column or pixel.
+/// `FFmpeg`'s `stereo3d` has these packings as sbsl, sbs2l, sbsr, abl and ab2l. Its interlaced packings are irl, icl
+/// and chl, or irr, icr and chr with the right eye first. They need input halved by dropping every other row, column or
+/// pixel.
 pub fn packed(left: &View, right: &View, packing: Packing) -> Picture {
     match packing {
         Packing::SideBySide => beside(&left.picture(), &right.picture()),
@@ -97,7 +98,7 @@ pub fn packed(left: &View, right: &View, packing: Packing) -> Picture {
     }
 }
 
-/// Takes each pixel from the left view if `is_left` is true for its column and row, else from the right one.
+/// Copies each pixel from the left view if `is_left` is true for its column and row, else from the right view.
 fn interlaced(left: &View, right: &View, is_left: impl Fn(usize, usize) -> bool) -> Picture {
     let both = rows(&left.rgba8, left.width).zip(rows(&right.rgba8, right.width));
     let rgba8 = both.enumerate().flat_map(|(row, (left, right))| {
@@ -144,7 +145,7 @@ fn half_width(view: &View) -> Picture {
 fn half_height(view: &View) -> Picture {
     let width = (view.width as usize).max(1);
     let halved = |two: &[[f32; 4]]| {
-        // If a single last row is left, both are that row.
+        // If only one row is left, both slices are that row.
         let (upper, lower) = (&two[..width.min(two.len())], &two[two.len().saturating_sub(width)..]);
         upper.iter().zip(lower).map(|(a, b)| average(a, b)).collect::<Vec<_>>()
     };

@@ -1,4 +1,4 @@
-//! PNG files that are written row by row, for pictures too large for memory.
+//! Writes PNG files row by row, for pictures that are too large for memory.
 
 use std::{
     io::{self, Write},
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::Error;
 
-/// Bytes of the file that are written at a time.
+/// Number of file bytes in each write.
 const CHUNK: usize = 1 << 16;
 
 /// A PNG file that is being written.
@@ -24,7 +24,7 @@ pub struct PngRows<'a> {
 }
 
 impl PngRows<'_> {
-    /// Writes the next pixels, row-major from the top, in whole rows or not. sRGB with alpha.
+    /// Writes the next pixels, row-major from the top, as sRGB with alpha. A call may end within a row.
     ///
     /// # Errors
     /// [`Error::Io`] if the file can't be written, or would exceed its number of pixels.
@@ -48,8 +48,8 @@ impl Batch {
     /// ([`FrameBuilder::rows`](crate::FrameBuilder::rows)). Only a few rows are kept in memory.
     ///
     /// # Errors
-    /// Any error of `write`; [`Error::Io`], naming `path`, as [`Batch::add`], and if there were fewer pixels than the
-    /// picture has.
+    /// Any error of `write`; [`Error::Io`], naming `path`, as [`Batch::add`], and if `write` provides fewer pixels than
+    /// the picture has.
     pub fn add_png_rows(
         &mut self,
         path: impl AsRef<Path>,

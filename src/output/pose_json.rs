@@ -1,4 +1,4 @@
-//! A checked camera as a JSON file: for other programs, and to be read back exactly.
+//! Writes a checked camera as a JSON file, which other programs can read, and reads it back exactly.
 
 use std::{fmt::Display, path::Path};
 
@@ -54,7 +54,8 @@ impl Pose {
         format!("{text:#}\n")
     }
 
-    /// Reads a file written by [`Pose::to_json`]: its entry `pose`, which is not checked against the others.
+    /// Reads the entry `pose` of a file written by [`Pose::to_json`]. The entry is not compared with the file's other
+    /// entries.
     ///
     /// # Errors
     /// [`Error::Io`] if the file can't be read or is not a regular file; [`Error::TooLarge`] if it is over 16 MiB;
@@ -74,15 +75,15 @@ impl Pose {
     }
 }
 
-/// Writes a length; JSON has no infinity, the screen distance of parallel cameras.
+/// Writes a length. Infinity, the screen distance of parallel cameras, becomes a string, since JSON has no infinity.
 fn length(value: f32) -> Value {
     if value == f32::INFINITY { json!("inf") } else { json!(f64::from(value)) }
 }
 
 fn eye(pose: &Pose, &Intrinsics { fx, fy, cx0, cx1, cy }: &Intrinsics, side: f64) -> Value {
     let to_camera = world_to_camera(pose, side);
-    // The axes are orthonormal only up to rounding, so the inverse is that of the written matrix. glam's columns are
-    // our rows, in and out.
+    // The axes are orthonormal only up to rounding, so the inverse is that of the written matrix. glam's columns hold
+    // our rows, for input and output.
     let to_world = DMat4::from_cols_array_2d(&to_camera).inverse();
     json!({
         "fx": fx,

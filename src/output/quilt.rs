@@ -1,4 +1,4 @@
-//! Quilts: the views of a rig in one picture, for light-field displays.
+//! Arranges the views of a rig as a quilt, one picture for light-field displays.
 
 use super::Picture;
 use crate::{Error, Views};
@@ -30,7 +30,7 @@ pub fn quilt(views: &Views, columns: u32, rows: u32) -> Result<Picture, Error> {
 /// its height.
 pub fn quilt_name(name: &str, views: &Views, columns: u32, rows: u32) -> String {
     let [width, height] = views.pose.size.map(f64::from);
-    // Uses as few digits as needed: 1.5, 0.75, 1.7778.
+    // The ratio has as few digits as needed: 1.5, 0.75, 1.7778.
     let aspect = format!("{:.4}", width / height);
     format!("{name}_qs{columns}x{rows}a{}.png", aspect.trim_end_matches('0').trim_end_matches('.'))
 }

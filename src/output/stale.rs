@@ -1,4 +1,4 @@
-//! Temporary files: their names, and the removal of files that killed processes left.
+//! Names temporary files, and removes temporary files that killed processes left.
 
 use std::collections::HashSet;
 use std::fs;
@@ -6,15 +6,16 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
-/// Age from which no process can still be writing a temporary file, wherever it runs.
+/// Age at which a temporary file counts as abandoned, even if its process can't be checked.
 const OLD: Duration = Duration::from_secs(24 * 3600);
 
-/// How the names of temporary files end.
+/// End of the names of temporary files.
 pub(super) const SUFFIX: &str = ".tmp";
 
-/// Returns how the names of this process's temporary files begin: with the process id and where that is valid.
+/// Returns the start of this process's temporary file names: the process id and the boot and container where the id is
+/// valid.
 pub(super) fn prefix() -> String {
-    // wasm32 has neither processes nor files: opening a file gives the error to report.
+    // wasm32 has neither processes nor files. Opening a file later gives the error to report.
     let process = if cfg!(target_arch = "wasm32") { 0 } else { std::process::id() };
     format!(".stereotrace-{}-{process}-", place())
 }
@@ -37,7 +38,7 @@ fn remove(folder: &Path) {
     }
 }
 
-/// Returns whether the file is a temporary one whose process has ended, as far as can be known from here.
+/// Returns whether the file is a temporary file whose process has ended. If that can't be checked, its age decides.
 fn is_stale(name: &str, entry: &fs::DirEntry) -> bool {
     let Some(parts) = name.strip_prefix(".stereotrace-").and_then(|rest| rest.strip_suffix(SUFFIX)) else {
         return false;
@@ -46,7 +47,7 @@ fn is_stale(name: &str, entry: &fs::DirEntry) -> bool {
         [named, process, _] if named == place() => process.parse().ok(),
         _ => None,
     };
-    // If any process is visible, the first one is.
+    // If /proc shows any process, it shows process 1.
     if let Some(process) = process.filter(|_| Path::new("/proc/1").exists()) {
         return !Path::new(&format!("/proc/{process}")).exists();
     }
@@ -55,8 +56,8 @@ fn is_stale(name: &str, entry: &fs::DirEntry) -> bool {
     age.is_some_and(|age| age > OLD)
 }
 
-/// Identifies the processes among which an id is unique: those of one boot and one container. A folder may be shared
-/// beyond that. Empty if it is unknown.
+/// Identifies the boot and the container within which a process id is unique, since other machines may share a folder.
+/// The text is empty if they are unknown.
 fn place() -> String {
     let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     let container = fs::read_link("/proc/self/ns/pid").unwrap_or_default();

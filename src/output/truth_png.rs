@@ -1,4 +1,4 @@
-//! Ground truth as PNG files of one channel: disparities in KITTI's format, ids, and masks.
+//! Writes ground truth as PNG files of one channel: disparities in KITTI's format, ids, and masks.
 
 use std::path::Path;
 
@@ -8,10 +8,10 @@ use super::{
 };
 use crate::{Error, EyeTruth, MISS, Occlusion};
 
-/// Steps per pixel of disparity.
+/// Number of sample values per pixel of disparity.
 const KITTI_STEPS: f64 = 256.0;
 
-/// The largest id that fits, as 0 means none.
+/// The largest id that fits 16 bits, since ids are stored plus 1 and 0 means a miss.
 const LARGEST_ID: u32 = u16::MAX as u32 - 1;
 
 impl Batch {
@@ -20,9 +20,9 @@ impl Batch {
     /// `disp_occ` and [`EyeTruth::surfaces_of_both`] for `disp_noc`. As in KITTI, sky is not valid.
     ///
     /// # Errors
-    /// [`Error::Io`], naming the pixel, for a valid disparity that the format can't hold: 256 or more, or zero or
-    /// negative, as with off-axis cameras on the screen and behind it. [`Error::Io`] also for lists that are not
-    /// `width * height` long, and as [`Batch::add`].
+    /// [`Error::Io`], naming the pixel, for a valid disparity that the format can't hold. Such disparities are 256 or
+    /// more, zero or negative. With off-axis cameras, points on the screen and behind it have disparities of zero or
+    /// less. [`Error::Io`] also for lists that are not `width * height` long, and as [`Batch::add`].
     pub fn add_kitti_disparity(
         &mut self,
         path: impl AsRef<Path>,
@@ -78,8 +78,8 @@ impl Batch {
         self.add_grey8(path.as_ref(), truth, truth.occlusion.iter().map(grey).collect())
     }
 
-    /// Adds the mask of [`Batch::add_nocc_mask`] with 0, for unknown, at sky: it belongs to disparities that leave sky
-    /// unknown.
+    /// Adds the mask of [`Batch::add_nocc_mask`] with 0, for unknown, at sky. Use this mask with disparities that leave
+    /// sky unknown.
     pub(crate) fn add_known_nocc_mask(&mut self, path: impl AsRef<Path>, truth: &EyeTruth) -> Result<(), Error> {
         let pixels = truth.occlusion.iter().zip(truth.surfaces());
         let grey = pixels.map(|(found, is_surface)| match (is_surface, found) {
@@ -119,7 +119,7 @@ impl Batch {
         self.add(path, &png_bytes(path, truth.width, truth.height, kind, &samples)?)
     }
 
-    /// Adds a 16-bit grey PNG file; `samples` must have the right number.
+    /// Adds a 16-bit grey PNG file; `samples` must have `width * height` entries.
     fn add_grey16(&mut self, path: &Path, width: u32, height: u32, samples: &[u16]) -> Result<(), Error> {
         let kind = PngKind { color: png::ColorType::Grayscale, depth: png::BitDepth::Sixteen, is_srgb: false };
         let bytes: Vec<u8> = samples.iter().flat_map(|sample| sample.to_be_bytes()).collect();
@@ -149,7 +149,7 @@ mod tests {
     use super::*;
     use crate::folder::Folder;
 
-    /// Returns width, height and samples, as read by another crate.
+    /// Reads a file with another crate and returns width, height and samples.
     fn read(path: &Path) -> (u32, u32, Vec<u16>) {
         match image::open(path).unwrap() {
             image::DynamicImage::ImageLuma16(read) => (read.width(), read.height(), read.into_raw()),

@@ -19,7 +19,7 @@ use crate::{
     view::rig::Eyes,
 };
 
-/// Approximate number of samples of the finest level that the host holds at a time, for all views: some 150 MiB.
+/// Approximate maximum number of finest-level samples that the host holds at a time, for all views: about 150 MiB.
 const HELD: u64 = 1 << 23;
 
 /// A frame of adaptive samples.
@@ -28,16 +28,16 @@ struct Levels<'a> {
     eyes: &'a Eyes,
     options: &'a Options,
     adaptive: Adaptive,
-    /// The eyes, with one pixel per sample of a level.
+    /// The eyes at each level, with one pixel per sample of that level.
     lattices: Vec<Eyes>,
 }
 
-/// The samples of some rows of pixels.
+/// Samples of a strip of pixel rows.
 struct Strip {
-    /// One per view.
+    /// Cells of each view.
     cells: Vec<Cells>,
     done: Done,
-    /// One per view: how the samples in pixels' upper left corners were made.
+    /// For each view, how the samples in the upper left corners of the pixels were made.
     corners: Vec<ViewRows>,
 }
 
@@ -101,8 +101,8 @@ impl Renderer {
         }
     }
 
-    /// Renders some rows of pixels through all levels. For progress, they take `rays` of all rays a pixel, after
-    /// `before`.
+    /// Renders the given pixel rows through all levels. For the progress callback, `before` rays per pixel are already
+    /// done. The rows take `rays` more, and `all` gives the total.
     async fn strip(
         &mut self,
         levels: &Levels<'_>,
@@ -155,20 +155,20 @@ impl Renderer {
 
 impl<'a> Levels<'a> {
     /// # Errors
-    /// [`Error::Samples`] if f32 directions cannot tell the samples of the last level apart.
+    /// [`Error::Samples`] if the f32 ray directions of neighbouring samples of the last level are not distinct.
     fn new(scene: &'a UploadedScene, eyes: &'a Eyes, options: &'a Options) -> Result<Self, Error> {
         let adaptive = options.adaptive.expect("asked for");
-        eyes.with_lattice(1 << (adaptive.levels - 1))?; // the finest one is refused first
+        eyes.with_lattice(1 << (adaptive.levels - 1))?; // checks the finest level first
         let lattices = (0..adaptive.levels).map(|level| eyes.with_lattice(1 << level)).collect::<Result<_, _>>()?;
         Ok(Self { scene, eyes, options, adaptive, lattices })
     }
 
-    /// Returns the samples of a pixel that is divided as often as possible, without those shared with its neighbours.
+    /// Returns the number of samples of a maximally divided pixel, without the samples shared with its neighbours.
     fn most_samples(&self) -> u32 {
         1 << (2 * (self.adaptive.levels - 1))
     }
 
-    /// Returns how many rows of pixels go through all levels together.
+    /// Returns the number of pixel rows in a strip.
     fn rows_at_a_time(&self) -> u32 {
         let [width, height] = self.eyes.pose.size;
         let views = self.eyes.sources.len() as u64;
@@ -183,20 +183,21 @@ impl<'a> Levels<'a> {
         Options { method, adaptive: None, linear: true, g_buffer, ..self.options.clone() }
     }
 
-    /// Returns masks of the samples of a level to trace.
+    /// Returns, for each view, a mask of the samples that a level traces.
     fn masks(&self, cells: &[Cells], level: u32, rows: &Range<u32>, method: Method) -> Vec<Mask> {
-        // If other views reuse a view's samples, corners are needed too.
+        // If other views reuse a view's samples, the mask also contains the corners of cells.
         let is_asked = |view| method != Method::Naive && targets(&self.eyes.sources).any(|(_, source)| source == view);
         let mask = |(view, cells): (usize, &Cells)| cells.wanted(level, rows.start << level, is_asked(view));
         cells.iter().enumerate().map(mask).collect()
     }
 
-    /// Divides cells whose corners differ. In each view it also divides cells where another view shows such a cell.
+    /// Divides cells whose corners differ. A cell is also divided if a cell that differs in another view is reprojected
+    /// into it.
     fn divide(&self, cells: &mut [Cells], level: u32, method: Method) {
         let tolerance = self.adaptive.tolerance;
         let differing: Vec<_> = cells.iter().map(|cells| cells.differing(level, tolerance)).collect();
         let mut divided = differing.clone();
-        // Copies equal their source in any case.
+        // With `Ideal`, views are copies of their source, so the cells already agree.
         let pairs = targets(&self.eyes.sources).filter(|_| method != Method::Ideal);
         for (from, to) in pairs.flat_map(|(view, source)| [(view, source), (source, view)]) {
             let apart = self.eyes.offsets[to] - self.eyes.offsets[from];
@@ -206,18 +207,18 @@ impl<'a> Levels<'a> {
         cells.iter_mut().zip(divided).for_each(|(cells, divided)| cells.divide(level, divided));
     }
 
-    /// Returns how the samples of the first level in pixels' upper left corners were made.
+    /// Returns how the first-level samples in the upper left corners of the pixels were made.
     fn corners(&self, samples: &ViewRows) -> ViewRows {
         let width = self.eyes.pose.size[0];
         let mut corners = ViewRows::new(width);
         corners.view.height = samples.view.height;
-        // Each row of samples has one more than the row of pixels.
+        // A row of samples has one sample more than a row has pixels.
         corners.source = rows_of(&samples.source, width).concat();
         corners.shadow_source = rows_of(&samples.shadow_source, width).concat();
         corners
     }
 
-    /// Returns the pictures of rows of pixels.
+    /// Returns the pictures of the given pixel rows.
     fn rows(&self, strip: &Strip, rows: &Range<u32>, centres: Option<&mut Centres>) -> Rows {
         let count = rows.len() as u32;
         let width = self.eyes.pose.size[0];
@@ -243,7 +244,7 @@ impl<'a> Levels<'a> {
     }
 }
 
-/// Returns the first `width` elements of each row of `width + 1`.
+/// Splits a list into rows of `width + 1` elements and returns the first `width` elements of each row.
 fn rows_of<T>(list: &[T], width: u32) -> Vec<&[T]> {
     list.chunks_exact(width as usize + 1).map(|row| &row[..width as usize]).collect()
 }

@@ -1,4 +1,4 @@
-//! Queries of an uploaded scene by the caller's own rays.
+//! Traces rays of the caller through an uploaded scene.
 
 use std::time::Duration;
 
@@ -17,18 +17,19 @@ use crate::{
 
 pub(crate) const CLOSEST_HITS: Kernel = kernel!("rays", "closest_hits", Role::RayList(Dispatches::One));
 pub(crate) const ANY_HITS: Kernel = kernel!("rays", "any_hits", Role::RayList(Dispatches::One));
-/// Variants whose threads continue in the next dispatch.
+/// Kernel variants that trace in steps: a ray that is unfinished continues in the next dispatch.
 pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel =
     Kernel { name: "closest_hits_in_steps", role: Role::RayList(Dispatches::Many), ..CLOSEST_HITS };
 pub(crate) const ANY_HITS_IN_STEPS: Kernel =
     Kernel { name: "any_hits_in_steps", role: Role::RayList(Dispatches::Many), ..ANY_HITS };
 
-/// Rays per dispatch: at two texels each they stay far below every limit of textures and bindings.
+/// Maximum number of rays per dispatch. At two texels per ray, a batch stays far below all texture and binding limits.
 pub(crate) const BATCH: usize = (MAX_WORKGROUPS * LIST_WORKGROUP) as usize;
-/// Maximum number of origins of a batch that are checked against large primitives; larger batches count as close.
+/// Maximum number of distinct ray origins that are tested against large primitives. A batch with more origins counts as
+/// close to one.
 const MANY_ORIGINS: usize = 64;
 
-/// A ray of the caller: the points `origin + t * direction` with t between its limits.
+/// A ray of the caller: the points `origin + t * direction` with `t_min <= t <= t_max`.
 ///
 /// ```
 /// use stereotrace::{Ray, glam::Vec3};
@@ -80,22 +81,21 @@ pub struct RayHit {
     pub primitive: u32,
 }
 
-/// Answers to a list of rays, in its order, and their cost.
+/// Results for a list of rays, in the order of the rays, and the time of tracing.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Cast<T> {
-    /// One answer per ray.
+    /// One result per ray.
     pub hits: Vec<T>,
-    /// Time of the tracing alone; `None` if the adapter has no timestamps, or the tracing took more dispatches than can
-    /// be timed.
+    /// GPU time of the tracing. It is `None` if the adapter has no timestamps, or if there were too many dispatches to
+    /// time.
     pub time: Option<Duration>,
 }
 
 impl Renderer {
     /// Returns the nearest hit of each ray within its limits; at equal t, the smallest primitive id wins. Neighbouring
-    /// rays of the list are traced together, so similar neighbours are faster. Threads that trace four rays
-    /// ([`RaysPerLane`]) do so only if each four rays of the list have one origin. Otherwise each thread traces one
-    /// ray.
+    /// rays of the list are traced together, so coherent neighbours are faster. With four rays per lane
+    /// ([`RaysPerLane`]), each four consecutive rays must have one origin. Otherwise each lane traces one ray.
     ///
     /// # Errors
     /// [`Error::Ray`] for a ray without direction or with NaN limits, [`Error::ForeignScene`] for a scene on another
@@ -109,17 +109,18 @@ impl Renderer {
         Ok(Cast { hits: cast.hits.iter().map(hit).collect(), time: cast.time })
     }
 
-    /// Returns whether each ray hits anything within its limits. For shadows and visibility; faster than
-    /// [`Renderer::closest_hits`].
+    /// Returns whether each ray hits anything within its limits. This suits shadow and visibility rays, and is faster
+    /// than [`Renderer::closest_hits`].
     ///
     /// # Errors
-    /// As [`Renderer::closest_hits`].
+    /// The errors of [`Renderer::closest_hits`].
     pub async fn any_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<bool>, Error> {
         let cast = self.cast::<u32>(scene, rays, [&ANY_HITS, &ANY_HITS_IN_STEPS]).await?;
         Ok(Cast { hits: cast.hits.iter().map(|&found| found == 1).collect(), time: cast.time })
     }
 
-    /// Traces by the first kernel, and batches that the adapter cuts short by the second one, in steps.
+    /// Traces each batch with the first kernel. If the adapter ends its loops early, the second kernel traces the batch
+    /// again in steps.
     async fn cast<T: bytemuck::Pod>(
         &self,
         scene: &UploadedScene,
@@ -147,7 +148,7 @@ impl Renderer {
     }
 }
 
-/// A list of rays on the device, and its answers.
+/// Buffers for tracing a list of rays on the device, and for its results.
 struct List<'a> {
     renderer: &'a Renderer,
     variant: Variant,
@@ -155,9 +156,9 @@ struct List<'a> {
     frame: wgpu::Buffer,
     found: wgpu::Buffer,
     counters: wgpu::Buffer,
-    /// All of these, and the scene's.
+    /// Resources that the kernel binds: the buffers above, the rays, and those of the scene.
     resources: Resources,
-    /// Texels of the rays.
+    /// The packed rays, in texels.
     _rays: Texels,
     timestamps: Option<Timestamps>,
 }
@@ -196,7 +197,7 @@ impl<'a> List<'a> {
         self.count.div_ceil(self.variant.traversal.rays.block().pow(2))
     }
 
-    /// Runs `times` dispatches of a kernel. Returns the number of threads that the adapter cut short.
+    /// Runs a kernel in `times` dispatches. Returns the number of threads whose loops the adapter ended early.
     async fn dispatch(&mut self, kernel: &Kernel, times: u32) -> Result<u32, Error> {
         let gpu = &self.renderer.gpu;
         let workgroups = Workgroups::Number([self.threads().div_ceil(LIST_WORKGROUP), 1, 1]);
@@ -228,7 +229,7 @@ impl<'a> List<'a> {
         }
     }
 
-    /// Reads back the answers and their time.
+    /// Reads the results and the GPU time back, and appends them to `cast`.
     async fn read<T: bytemuck::Pod>(&mut self, cast: &mut Cast<T>) -> Result<(), Error> {
         let gpu = &self.renderer.gpu;
         let time = match &mut self.timestamps {
@@ -244,12 +245,12 @@ impl<'a> List<'a> {
 impl Drop for List<'_> {
     fn drop(&mut self) {
         for buffer in [&self.frame, &self.found, &self.counters] {
-            buffer.destroy(); // as for `Texels`
+            buffer.destroy(); // frees the memory at once, as for `Texels`
         }
     }
 }
 
-/// Returns the pipeline variant for these rays.
+/// Returns the pipeline variant that suits these rays.
 fn variant_for(scene: &UploadedScene, rays: &[Ray]) -> Variant {
     let mut with = scene.variant;
     let place = |ray: &Ray| (ray.origin - scene.origin).as_vec3();
@@ -279,7 +280,7 @@ fn check(rays: &[Ray]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Packs rays as `shaders/shared/ray_list.wgsl` reads them.
+/// Packs rays in the layout that `shaders/shared/ray_list.wgsl` reads.
 fn texels(rays: &[Ray], scene_origin: DVec3) -> Vec<Texel> {
     let texels = rays.iter().flat_map(|ray| {
         let texel = |vector: Vec3, t: f32| {

@@ -1,4 +1,4 @@
-//! A frame as commands for the caller's encoder. Its views stay on the device, as textures.
+//! Encodes a frame into the caller's command encoder. Its views stay on the device, as textures.
 
 use std::{ops::ControlFlow, sync::Arc};
 
@@ -20,11 +20,11 @@ use crate::{
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Encoded {
-    /// One per eye, in the rig's order.
+    /// Views, one per eye, in the rig's order.
     pub views: Vec<EncodedView>,
-    /// A buffer of four bytes, to be mapped after the commands have run: the number of threads (u32) that the adapter
-    /// ended early. If it is not 0, the pictures are incomplete. Use
-    /// [`FrameBuilder::read`](crate::FrameBuilder::read) for these, which goes on in steps.
+    /// Buffer of four bytes, to be mapped after the commands have run: the number of threads (u32) that the adapter
+    /// ended early. If the number is not 0, the pictures are incomplete. Render such frames with
+    /// [`FrameBuilder::read`](crate::FrameBuilder::read), which spreads the work over several dispatches.
     pub unfinished: wgpu::Buffer,
     /// Resources that the commands use.
     _targets: Arc<Targets>,
@@ -67,7 +67,7 @@ impl EncodedView {
 }
 
 impl Renderer {
-    /// Encodes a frame into the given encoder, or else as a command buffer per band of rows.
+    /// Encodes a frame into the given encoder. Without an encoder it makes one command buffer per band of rows.
     pub(super) async fn encode_each(
         &mut self,
         scene: &UploadedScene,
@@ -140,7 +140,7 @@ impl Encoded {
         }
     }
 
-    /// Encodes one band, from the upload of its uniforms to its rows of the textures.
+    /// Encodes one band: the upload of its uniforms, its passes, and the copy of its rows into the textures.
     fn encode_band(&self, driver: &mut Driver<'_>, plan: &Plan, encoder: &mut wgpu::CommandEncoder, index: u32) {
         let targets = &self._targets;
         let uniforms = uniforms_bytes(targets.shape.views, targets.shape.parts);
@@ -164,7 +164,8 @@ impl Encoded {
 }
 
 /// # Errors
-/// [`Error::Encoding`] for what cannot be encoded ahead, [`Error::Limit`] for a picture larger than a texture may be.
+/// [`Error::Encoding`] if the frame needs work on the host; [`Error::Limit`] if the picture exceeds the texture size
+/// limit.
 fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), Error> {
     if plan.needs_host() {
         let what = options.method.to_string();

@@ -1,4 +1,4 @@
-//! A frame: its method's plan, run band by band. At most two bands are in flight.
+//! Renders a frame: runs the plan of its method for each band. At most two bands are in flight.
 
 use std::sync::Arc;
 
@@ -27,11 +27,11 @@ use crate::{
 /// How a frame was made, and what it cost.
 pub(crate) struct Done {
     pub(crate) eyes: Eyes,
-    /// The requested method, or the one that replaced it.
+    /// The requested method, or its replacement.
     pub(super) method: Method,
-    /// One per view.
+    /// Cost counters, one per view.
     pub(crate) tallies: Vec<Tally>,
-    /// The choice of `Auto`, per view.
+    /// Choice of `Auto` for each view.
     pub(crate) choices: Vec<Option<Choice>>,
     pub(crate) in_steps: bool,
     pub(crate) buffer_depth: u32,
@@ -64,7 +64,7 @@ struct Frame<'a> {
     used: &'a Used,
     wanted: Wanted<'a>,
     read_back: ReadBack,
-    /// Staging buffers that are free.
+    /// Free staging buffers.
     stagings: Vec<Staging>,
     steps: Steps,
     tallies: Vec<Tally>,
@@ -74,24 +74,24 @@ struct Frame<'a> {
     on_rows: &'a mut OnRows<'a>,
 }
 
-/// A band that the device works on.
+/// A band whose commands are submitted and not yet read back.
 struct Flight {
     band: Band,
     filling: Filling,
-    /// The timed passes.
+    /// Names of the timed passes.
     names: Vec<&'static str>,
     in_steps: bool,
 }
 
-/// The result of reading back a band.
+/// Result of reading back a band.
 enum Landed {
     Rows(Option<Rows>),
-    /// The adapter ended the loops of this many threads.
+    /// Number of threads whose loops the adapter ended early.
     CutShort(u64),
 }
 
 impl Renderer {
-    /// Renders all bands of a frame. Their rows go to `on_rows`, if pictures are wanted.
+    /// Renders all bands of a frame. If pictures are wanted, their rows are passed to `on_rows`.
     pub(crate) async fn frame<'a>(
         &'a mut self,
         scene: &'a UploadedScene,
@@ -117,8 +117,8 @@ impl Renderer {
         let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn)), &used).await?;
         let read_back = ReadBack::new(targets.shape, options.linear, wanted.pictures);
         let bytes = read_back.times_offset() + Timestamps::BYTES;
-        // The staging buffers leave the cache while the frame is in progress. So a buffer that a cancelled frame leaves
-        // mapped is not used again.
+        // The staging buffers leave the cache while the frame is in progress. If a cancelled frame leaves a buffer
+        // mapped, that buffer is not reused.
         let mut stagings = self.cache.staging_of(bytes);
         let in_flight = targets.shape.bands.count().min(2) as usize;
         let make = || Ok((stagings.len()..in_flight).map(|_| Staging::new(&self.gpu, bytes)).collect::<Vec<_>>());
@@ -152,7 +152,7 @@ impl Renderer {
         Ok(done)
     }
 
-    /// Returns what a driver takes of the renderer.
+    /// Returns the renderer's parts that a driver uses.
     pub(super) fn engine(&mut self, timed: bool) -> Engine<'_> {
         Engine {
             gpu: &self.gpu,
@@ -201,12 +201,12 @@ impl Renderer {
                 _pad: 0,
             },
         };
-        // As many as `Shape::parts` says, whether or not a step asks for them.
+        // The list has the length that `Shape::parts` states, whether or not a step uses the parts.
         let parts: Vec<Part> = scene.soft.parts(options);
         Uniforms::new((0..eyes.sources.len()).map(view).collect(), parts)
     }
 
-    /// Returns a frame's method, the choice of `Auto` if it can be made before the first step, and the resulting plan.
+    /// Returns a frame's method, the early choice of `Auto` if it can be made before the first step, and the plan.
     pub(super) fn planned(
         &self,
         scene: &UploadedScene,
@@ -230,9 +230,9 @@ impl Renderer {
         (method, early, plan)
     }
 
-    /// Returns the method that makes the views. Without interaxial all views are equal, unless each has its own noise.
-    /// Without a tree `bracket` has nothing to search. `Auto` traces pictures too wide for the texture of `bracket`'s
-    /// samples.
+    /// Returns the method that makes the views. With interaxial 0 all views are equal, unless each has its own noise.
+    /// In a scene without a BVH, `bracket` has nothing to search. `Auto` falls back to `Naive` if the picture is wider
+    /// than the texture of `bracket`'s samples allows.
     fn effective(&self, options: &Options, eyes: &Eyes, scene: &UploadedScene) -> Method {
         let width = eyes.pose.size[0];
         match options.method {
@@ -246,13 +246,13 @@ impl Renderer {
         }
     }
 
-    /// Returns the number of primitives to draw into a T-buffer, or `None` if the frame has none.
+    /// Returns the number of primitives to draw into a T-buffer, or `None` if the frame uses no T-buffer.
     pub(super) fn drawn(&self, scene: &UploadedScene, options: &Options) -> Option<u32> {
         let is_asked = options.visibility == Visibility::TBuffer && !self.steps.always;
         if is_asked { scene.drawn() } else { None }
     }
 
-    /// Returns the shape of a frame of this many rows.
+    /// Returns the shape of a frame with this number of rows.
     pub(super) fn shape(
         &self,
         scene: &UploadedScene,
@@ -276,7 +276,7 @@ impl Renderer {
         }
     }
 
-    /// Returns the variant that a frame's kernels are specialised to.
+    /// Returns the variant that specialises a frame's kernels.
     pub(super) fn variant(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, plan: &Plan) -> Variant {
         let counting = scene.variant.counting(options.count, options.cost_map);
         let (bits, samples) = (plan.bits, plan.samples);
@@ -335,7 +335,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Runs a band by the frame's plan.
+    /// Runs all passes of a band by the frame's plan.
     async fn at_once(&mut self, band: Band) -> Result<Flight, Error> {
         if let Some(masks) = self.wanted.masks() {
             self.driver.upload_masks(masks, &band).await?;
@@ -344,7 +344,7 @@ impl Frame<'_> {
         self.take_off(band, commands, false).await
     }
 
-    /// Runs a band by `Naive` in steps, so that no limit on a thread's loops can end it.
+    /// Runs a band by `Naive` in steps, so that no limit on a thread's loop iterations can end it early.
     async fn in_steps(&mut self, band: Band) -> Result<Flight, Error> {
         self.in_steps += 1;
         self.driver.band_in_steps(&self.plan, &band, self.steps).await?;
@@ -352,7 +352,7 @@ impl Frame<'_> {
         self.take_off(band, commands, true).await
     }
 
-    /// Submits a band's last commands, with those that read it back.
+    /// Submits the last commands of a band, including its read-back.
     async fn take_off(
         &mut self,
         band: Band,
@@ -373,7 +373,7 @@ impl Frame<'_> {
         gpu.checked(submit).await
     }
 
-    /// Waits for a band, and passes its rows on.
+    /// Waits for a band to be read back, and passes on its rows.
     async fn land(&mut self, flight: Flight) -> Result<(), Error> {
         let mut flight = flight;
         loop {

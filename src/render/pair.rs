@@ -6,8 +6,9 @@ use crate::{Choice, Method, PassTimes, PixelSource, Pose, ShadowBufferWork, Shad
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Statistics {
-    /// The method that made the pair: the requested one, [`Method::Ideal`] if the interaxial is 0 and views share their
-    /// noise, the choice of [`Method::Auto`], or [`Method::Naive`] if rendered [in steps](Self::in_steps).
+    /// The method that made the pair: the requested method, or its replacement. [`Method::Ideal`] replaces it if the
+    /// interaxial is 0 and views share their noise. [`Method::Auto`] is replaced by its choice. A pair rendered [in
+    /// steps](Self::in_steps) has [`Method::Naive`].
     pub method: Method,
     /// Reason for the choice of [`Method::Auto`]; `None` with other methods.
     pub choice: Option<Choice>,

@@ -1,10 +1,10 @@
-//! Results made of a frame and the rows of its views.
+//! Builds results from a frame and the rows of its views.
 
 use super::frame::Done;
 use crate::{Pose, RigView, Statistics, StereoPair, Views, frame::ViewRows};
 
 impl Done {
-    /// Adds the eye of another frame.
+    /// Appends the eye of another frame, for a pair made of two single-eye frames.
     pub(crate) fn beside(mut self, other: Self) -> Self {
         self.eyes.offsets.extend(&other.eyes.offsets);
         self.eyes.sources.push(1);
@@ -36,7 +36,7 @@ impl Done {
 }
 
 impl StereoPair {
-    /// Makes a pair from two frames of one eye each.
+    /// Builds a pair from two frames of one eye each.
     pub(crate) fn of_two(pose: Pose, left: (Done, Vec<ViewRows>), right: (Done, Vec<ViewRows>)) -> Self {
         let ((left, mut views), (right, of_right)) = (left, right);
         views.extend(of_right);

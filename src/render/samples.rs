@@ -1,6 +1,6 @@
-//! Frames of several samples a pixel: a larger picture with a pixel for each sample, filtered on the host as its rows
-//! arrive. Rows of samples are epipolar lines like any others (DESIGN, section 3), so methods and kernels need not
-//! know.
+//! Renders frames with several samples per pixel. A larger picture has a pixel for each sample, and the host filters
+//! its rows as they arrive. Rows of samples are epipolar lines, as rows of pixels are (DESIGN, section 3). So methods
+//! and kernels need no change.
 
 #[cfg(test)]
 mod tests;
@@ -18,7 +18,8 @@ use crate::{
 };
 
 impl Renderer {
-    /// Renders all bands of a frame with the requested samples a pixel. With one sample it is [`Renderer::frame`].
+    /// Renders all bands of a frame with the requested number of samples per pixel. With one sample it equals
+    /// [`Renderer::frame`].
     pub(crate) async fn sampled(
         &mut self,
         scene: &UploadedScene,
@@ -36,9 +37,9 @@ impl Renderer {
             return self.frame(scene, eyes, options, Wanted::all(pictures), progress, on_rows).await;
         }
         let finer = eyes.with_samples(side)?;
-        // An odd grid without jitter has a sample in the pixel's centre.
+        // An odd grid without jitter has a sample in the pixel's centre, so it needs no separate frame of centres.
         let asks_centre = (side % 2 == 0 || options.jitter) && options.g_buffer != GBuffer::None;
-        let rays = (if asks_centre { 1.0 } else { 0.0 }, options.samples as f32); // per pixel, of both frames
+        let rays = (if asks_centre { 1.0 } else { 0.0 }, options.samples as f32); // rays per pixel, of both frames
         let (mut centre, mut centres) = (None, None);
         if asks_centre {
             check_centres(eyes, options, pictures)?;
@@ -56,7 +57,7 @@ impl Renderer {
         Ok(Done { eyes: eyes.clone(), ..centre.into_iter().fold(done, Done::with) })
     }
 
-    /// Renders a frame of one sample a pixel, in its centre.
+    /// Renders a frame with one sample per pixel, in the pixel's centre.
     pub(super) async fn centres(
         &mut self,
         scene: &UploadedScene,
@@ -70,14 +71,15 @@ impl Renderer {
             centres.add(rows.views);
             Ok(())
         };
-        // Linear colour is not needed, but with it the kernels are those of the other frames.
+        // Linear colour is not needed here, but it makes this frame use the same kernels as the other frames.
         let options = Options { linear: true, samples: 1, ..options.clone() };
         let done = self.frame(scene, eyes, &options, Wanted::all(pictures), progress, &mut keep).await?;
         Ok((done, centres))
     }
 }
 
-/// Maps a sub-frame's progress to the whole frame: `rays` of all rays a pixel, after `before`.
+/// Maps a sub-frame's progress to the whole frame. `before` rays per pixel are already done. The sub-frame takes `rays`
+/// more, and `all` gives the total.
 pub(super) fn part_of(
     progress: &mut OnProgress<'_>,
     before: f32,
@@ -91,7 +93,7 @@ pub(super) fn part_of(
 /// [`Error::Limit`] if the data of pixels' centres does not fit into memory.
 pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> Result<(), Error> {
     let ([width, height], views) = (eyes.pose.size, eyes.sources.len());
-    // Depth, two ids, sources and a cost.
+    // Bytes per pixel and view: depth, primitive id, object id, pixel source, shadow source and cost.
     let needed = (u64::from(width) * u64::from(height)).saturating_mul(18 * views as u64);
     if needed <= MOST_BYTES || !pictures {
         return Ok(());
@@ -109,7 +111,7 @@ pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> R
     })
 }
 
-/// Renames an error of the larger picture, whose size the caller did not give.
+/// Replaces the description of a limit error. The larger picture has a size that the caller did not give.
 pub(super) fn of_samples(error: Error, samples: u32) -> Error {
     match error {
         Error::Limit { what, needed, limit, allowed, .. } => Error::Limit {
@@ -136,7 +138,7 @@ impl Done {
         self.in_all(other)
     }
 
-    /// Adds the cost of another frame, except that of its views.
+    /// Adds the cost of another frame, except the tallies of its views.
     pub(super) fn in_all(mut self, other: Self) -> Self {
         self.in_steps |= other.in_steps;
         self.times = self.times.zip(other.times).map(|(times, others)| sum(times, &others));
@@ -146,7 +148,7 @@ impl Done {
     }
 }
 
-/// Adds times by name.
+/// Adds the times of passes that have the same name.
 fn sum(mut times: PassTimes, others: &PassTimes) -> PassTimes {
     for &(name, time) in &others.passes {
         match times.passes.iter_mut().find(|(known, _)| *known == name) {

@@ -25,7 +25,7 @@ use crate::{
 };
 use mapping::Mapping;
 
-// The T-buffer's kernels, drawing at texels' middles.
+// The T-buffer's kernels, specialised to test primitives at the middles of texels.
 pub(crate) const PROJECT_MIDDLES: Kernel =
     Kernel { name: "project_middles", role: Role::Draw(Canvas::Middles), ..PROJECT_PRIMITIVES };
 pub(crate) const DRAW_FEW_MIDDLES: Kernel =
@@ -35,7 +35,7 @@ pub(crate) const DRAW_MORE_MIDDLES: Kernel =
 pub(crate) const DRAW_PARTS_MIDDLES: Kernel =
     Kernel { name: "draw_parts_middles", role: Role::Draw(Canvas::Middles), ..DRAW_PARTS };
 pub(crate) const READ_MIDDLES: Kernel = kernel!("shadow_buffer", "read_middles", Role::Draw(Canvas::Middles));
-// The T-buffer's kernels, marking whole texels where something may stand before their surface.
+// The T-buffer's kernels, specialised to mark texels in which a primitive may lie in front of the shown surface.
 pub(crate) const PROJECT_TEXELS: Kernel =
     Kernel { name: "project_texels", role: Role::Draw(Canvas::Texels), ..PROJECT_PRIMITIVES };
 pub(crate) const MARK_FEW_TEXELS: Kernel =
@@ -46,17 +46,19 @@ pub(crate) const MARK_PARTS_TEXELS: Kernel =
     Kernel { name: "mark_parts_texels", role: Role::Draw(Canvas::Texels), ..DRAW_PARTS };
 pub(crate) const READ_TEXELS: Kernel = kernel!("shadow_buffer", "read_texels", Role::Draw(Canvas::Texels));
 
-/// Format of a texel: t as bits and the slot. By the hybrid rule a plane and the slot.
+/// Format of a texel: t as bits, and the slot. With the hybrid rule, a texel holds a plane and the slot.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 const HYBRID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
-/// In place of a texel's slot: nothing is known (`shaders/shared/shadow_buffer.wgsl`).
+/// Slot value of a texel without known content (`shaders/shared/shadow_buffer.wgsl`).
 const UNFILLED: u32 = 0xffff_fffe;
-/// Words of the row behind a table that describe its directions, and the columns needed for them.
+/// Number of words that describe a table's directions, in the row behind the table, and the number of columns they
+/// need.
 const HEAD: usize = 12;
 const LEAST_COLUMNS: u32 = 6;
-/// Texels per submission. Each submission projects all primitives, and a texel takes 24 bytes while it is drawn.
+/// Maximum number of texels per submission. Each submission projects all primitives. A texel takes 24 bytes while it is
+/// drawn.
 const BAND: u32 = 1 << 21;
-/// Bytes per write when a layer is filled with one word.
+/// Number of bytes per write when a layer is filled with one word.
 const PIECE: usize = 1 << 22;
 
 /// The tables of all lights on a device, one layer each.
@@ -65,11 +67,11 @@ pub(crate) struct Tables {
     texture: Texture,
     /// All layers, for kernels.
     pub(crate) view: wgpu::TextureView,
-    /// What each layer was filled for.
+    /// Light, mapping and margin of each filled layer.
     layers: Vec<Layer>,
 }
 
-/// A light, the directions of its table, and the margin by which texels are marked, if any.
+/// A light, the mapping of its table, and the margin of the hybrid rule, if any.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Layer {
     light: Vec3,
@@ -87,11 +89,11 @@ struct Filling<'a> {
     frame: wgpu::Buffer,
     counters: wgpu::Buffer,
     t_buffer: wgpu::Buffer,
-    /// The finished texels, by the hybrid rule.
+    /// The finished texels, with the hybrid rule only.
     texels: Option<wgpu::Buffer>,
     drawing: wgpu::Buffer,
     indirect: wgpu::Buffer,
-    /// What kernels bind: all of these, and the scene's.
+    /// Resources that the kernels bind: the buffers above, and those of the scene.
     resources: Resources,
 }
 
@@ -162,7 +164,7 @@ impl Renderer {
         if let Some(kept) = kept.filter(|kept| fits(kept) && kept.layers == layers) {
             return Ok(Some((kept, work)));
         }
-        // Tables that another frame still reads are left alone, and tables that are not completely filled are not kept.
+        // Tables that another frame still reads are not overwritten. Incompletely filled tables are not kept.
         let before = lock(&scene.shadow_tables).take().and_then(Arc::into_inner);
         let mut tables = match before.filter(fits) {
             Some(before) => before,
@@ -179,7 +181,7 @@ impl Renderer {
         Ok(Some((filled, work)))
     }
 
-    /// Fills a layer, some rows per submission.
+    /// Fills a layer, with a limited number of rows per submission.
     async fn fill(
         &self,
         scene: &UploadedScene,
@@ -279,8 +281,8 @@ impl<'a> Filling<'a> {
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
     }
 
-    /// Encodes the drawing of the nearest hit in each texel, its reading, and the marks of texels where something may
-    /// stand before it.
+    /// Encodes three steps: drawing the nearest hit of each texel, reading it, and marking texels with possible nearer
+    /// primitives.
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, layer: &Layer, rows: &Range<u32>) {
         encoder.clear_buffer(&self.t_buffer, 0, None);
         encoder.clear_buffer(&self.drawing, 0, Some(DRAWING_HEAD));
@@ -308,7 +310,7 @@ impl<'a> Filling<'a> {
         let [x, y] = [layer.mapping.columns, rows.len() as u32].map(|texels| texels.div_ceil(side));
         run(read, &self.resources, Workgroups::Number([x, y, 1]));
         if let Some(texels) = self.texels.as_ref().filter(|_| self.primitives > 0) {
-            // The finished texels are marked.
+            // The marking kernels write to the finished texels instead of the T-buffer.
             let resources = self.resources.clone().with(Resource::TBuffer, texels);
             for (kernel, list) in [&MARK_FEW_TEXELS, &MARK_MORE_TEXELS, &MARK_PARTS_TEXELS].into_iter().zip(lists) {
                 run(kernel, &resources, list);
@@ -399,7 +401,8 @@ impl Texture {
         encoder.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer: filled, layout }, to, size);
     }
 
-    /// Writes the directions of a table behind it (`directions_of` of `shaders/shared/shadow_buffer.wgsl`).
+    /// Writes the words that describe a table's directions to the row behind it (`directions_of` of
+    /// `shaders/shared/shadow_buffer.wgsl`).
     fn write_head(&self, gpu: &Gpu, layer: u32, mapping: &Mapping) {
         let Mapping { axes: [x, _, z], theta, phi, rows, columns } = *mapping;
         let floats = [theta, phi, [x.x, x.y], [x.z, z.x], [z.y, z.z]].map(|two| two.map(f32::to_bits));

@@ -36,7 +36,7 @@ pub struct UploadedScene {
     texels: [Arc<Texels>; 2],
     /// Sky and textures of the shading table.
     pictures: Pictures,
-    /// Cut-out textures whose masks follow the geometry.
+    /// Cut-out textures; their masks follow the geometry in memory.
     cutouts: Vec<(usize, Texture)>,
     /// Objects of the primitives; created when edges are first needed.
     object_table: OnceLock<Texels>,
@@ -56,7 +56,7 @@ pub struct UploadedScene {
     pub(crate) shadow_tables: Mutex<Option<Arc<Tables>>>,
     pub(crate) soft: SoftLights,
     pub(crate) large: LargePrimitives,
-    /// Data that a refit keeps of the tree.
+    /// Data of the tree that a refit needs.
     shape: TreeShape,
     gpu: Gpu,
     info: UploadInfo,
@@ -146,7 +146,7 @@ impl UploadedScene {
             let objects: Vec<u32> = self.ids.iter().map(|id| self.objects[*id as usize]).collect();
             let fetch = self.variant.traversal.fetch;
             let table = gpu.upload("object_table", &object_texels(&objects), fetch).await?;
-            let _ = self.object_table.set(table); // another frame's table is equal
+            let _ = self.object_table.set(table); // a concurrent frame may have stored an equal table first
         }
         Ok(self.object_table.get().expect("set above"))
     }
@@ -156,7 +156,7 @@ impl UploadedScene {
     pub(crate) async fn weigh_sky(&self) -> Result<(), Error> {
         let Some((first, texels)) = self.pictures.sky_to_weigh() else { return Ok(()) };
         self.gpu.fill_from(&self.texels[1], first, texels).await?;
-        self.pictures.set_weighed(); // another frame's weights are equal
+        self.pictures.set_weighed(); // a concurrent frame may have computed equal weights
         Ok(())
     }
 
@@ -165,15 +165,15 @@ impl UploadedScene {
         CostModel::of(gpu, self.asked(options))
     }
 
-    /// Returns the maximum light queries of a frame.
+    /// Returns the maximum number of light queries per pixel of a frame.
     fn asked(&self, options: &Options) -> Asked {
         let points = if self.variant.shadows == Shadows::None { 0 } else { self.lights.len() as u32 };
         let soft = self.soft.rays(options);
         Asked { points, soft, shares: options.penumbra != Penumbra::Exact }
     }
 
-    /// Returns `Auto`'s choice if it must be `Naive`: even a left view without gaps, with a shadow ray for every light
-    /// and pixel, would not make `bracket` cheaper.
+    /// Returns the choice of `Auto` if it must be `Naive`. This assumes a left view without gaps and a shadow ray for
+    /// every light and pixel. If `bracket` is not cheaper even then, the method is `Naive`.
     pub(crate) fn choose_early(&self, gpu: &Gpu, pose: &Pose, options: &Options) -> Option<Choice> {
         let Asked { points, soft, .. } = self.asked(options);
         let pixels = u64::from(pose.size[0]) * u64::from(pose.size[1]);
@@ -182,7 +182,7 @@ impl UploadedScene {
         (best.method == Method::Naive).then_some(best)
     }
 
-    /// Returns whether its primitives are those of this scene or of a clone.
+    /// Returns whether the uploaded primitives are those of this scene or of a clone.
     pub(crate) fn is_of(&self, scene: &Scene) -> bool {
         self.shape.is_of(scene)
     }
@@ -201,7 +201,7 @@ impl Renderer {
     /// Builds a scene's BVH with [`BvhBuild::Balanced`], which suits a few pictures, and uploads it.
     ///
     /// # Errors
-    /// As [`Renderer::upload_with`].
+    /// The errors of [`Renderer::upload_with`].
     pub async fn upload(&self, scene: &Scene) -> Result<UploadedScene, Error> {
         self.upload_with(scene, BvhBuild::Balanced).await
     }
@@ -226,7 +226,7 @@ impl Renderer {
     /// upload. After an update fails for lack of memory, or its future is dropped before the
     /// end, the scene must be uploaded again.
     ///
-    /// # Errors
+    /// The errors of [`Renderer::upload`]. [`Error::ForeignScene`] if the scene is on another [`Gpu`].
     /// Those of [`Renderer::upload`]; [`Error::ForeignScene`] if the scene is on another [`Gpu`];
     /// [`Error::Scene`] if [`Update::Refit`] can't keep the tree.
     pub async fn update(&self, uploaded: &mut UploadedScene, scene: &Scene, how: Update) -> Result<(), Error> {
@@ -268,7 +268,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Uploads a packed scene, into the memory of its earlier state if there is one.
+    /// Uploads a packed scene. It reuses the memory of the scene's earlier state, if there is any.
     async fn bring(
         &self,
         scene: &Scene,
@@ -341,7 +341,7 @@ impl Renderer {
         Ok((table, pictures))
     }
 
-    /// Writes texels to `room` if they fit, else to new memory.
+    /// Writes texels to the existing memory `room` if they fit, otherwise to new memory.
     async fn written(
         &self,
         label: &'static str,
@@ -359,7 +359,7 @@ impl Renderer {
     }
 }
 
-/// Builds a tree, and the data that a refit keeps of it.
+/// Builds a tree, and the data of it that a refit needs.
 fn built(scene: &Scene, build: BvhBuild, traversal: Traversal) -> Result<(PackedBvh, TreeShape), Error> {
     let packed = bvh::build(scene, build, traversal.boxes)?;
     let shape = TreeShape::of(scene, &packed);

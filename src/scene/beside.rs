@@ -7,9 +7,9 @@ use glam::{Vec2, Vec3};
 
 use super::{Mesh, Scene, Texture, Triangle, mesh::Object};
 
-/// Texture coordinates of triangles without any.
+/// Texture coordinates of triangles that have none: zero.
 const NO_UV: [Vec2; 3] = [Vec2::ZERO; 3];
-/// Colours of triangles without any: the albedo is unchanged.
+/// Vertex colours of triangles that have none: white, which leaves the albedo unchanged.
 const NO_COLORS: [Vec3; 3] = [Vec3::ONE; 3];
 
 /// Texture coordinates and colours at the corners of triangles.
@@ -17,7 +17,7 @@ const NO_COLORS: [Vec3; 3] = [Vec3::ONE; 3];
 pub(crate) struct Beside {
     pub(crate) uv: Vec<[Vec2; 3]>,
     pub(crate) colors: Vec<[Vec3; 3]>,
-    /// Number of objects that have texture coordinates, and number that have colours.
+    /// Numbers of objects that have texture coordinates, and that have colours.
     with_uv: usize,
     with_colors: usize,
 }
@@ -37,8 +37,8 @@ impl Beside {
     }
 }
 
-/// Replaces a range of a list by the mesh's part, or by `none` if the mesh has no such attribute. An unwanted list
-/// becomes empty.
+/// Replaces a range of a list by the mesh's attributes. If the mesh lacks the attribute, each triangle gets `none`. If
+/// no mesh of the scene has the attribute, the list becomes empty.
 fn replace<T: Copy>(
     list: &mut Vec<T>,
     range: Range<usize>,

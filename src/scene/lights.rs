@@ -69,7 +69,8 @@ impl Scene {
         of_spheres() || of_ellipsoids() || of_planes()
     }
 
-    /// Returns the share of a way up to the first surface on it, or infinity. Holes of cut-outs count as surface.
+    /// Returns the distance to the first surface along `way`, as a share of its length, or infinity. Holes of cut-outs
+    /// count as surface.
     fn way_to_obstacle(&self, eye: DVec3, way: DVec3) -> f64 {
         let triangles = self.triangles.iter().filter(|triangle| !triangle.is_degenerate());
         let triangles = triangles.filter_map(|triangle| {

@@ -18,7 +18,7 @@ use crate::{Error, message::counted};
 pub struct SkyMap {
     width: u32,
     height: u32,
-    /// `Arc<[Vec3]>` would copy the list when it is made.
+    /// The pixels, row-major. `Arc<[Vec3]>` would copy the list when it is made.
     pixels: Arc<Vec<Vec3>>,
 }
 

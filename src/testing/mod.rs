@@ -1,5 +1,5 @@
-//! What tests compare with, and what they are tried on. It ships with the feature `testing` only: twins of the kernels,
-//! scenes that are hard on methods, and random numbers.
+//! Test support, with the feature `testing` only: CPU twins of the kernels, scenes that are hard for the methods, and
+//! random numbers.
 
 pub mod cpu;
 pub mod suite;

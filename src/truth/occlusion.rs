@@ -74,12 +74,12 @@ impl Renderer {
 
 /// Camera rays of one eye, and the position of the other eye.
 pub(crate) struct Pixels {
-    /// In world coordinates.
+    /// Position of the other eye in world coordinates.
     other_eye: DVec3,
-    /// From the other eye to this one.
+    /// Vector from the other eye to this one, in world units.
     aside: DVec3,
-    /// Directions of length 1 along the view axis: through the picture's top left corner, and from a pixel to its right
-    /// and lower neighbours.
+    /// Directions of length 1 along the view axis: through the picture's top left corner, and the steps to the right
+    /// and lower neighbour pixels.
     corner: DVec3,
     right: DVec3,
     down: DVec3,

@@ -4,9 +4,9 @@ use glam::{DVec3, Vec3};
 
 use crate::{Convergence, Error, Pose, StereoCamera};
 
-/// Number of views that makes two traced views better than one: each other view then has a nearer source, and most have
-/// traced views on both sides, which leaves far fewer shadow rays. With 45 views, each other view then costs 0.074 of a
-/// traced one in the hall (0.049 for the dragon), instead of 0.126 (0.059).
+/// Number of views from which two traced views are better than one. Each other view then has a nearer source view, and
+/// most have traced views on both sides. This leaves far fewer shadow rays. With 45 views, each other view then costs
+/// 0.074 of a traced one in the hall (0.049 for the dragon), instead of 0.126 (0.059).
 const FOR_TWO: usize = 24;
 
 /// Distance of two traced views from the ends of their group, as a share of the group's width.
@@ -15,8 +15,8 @@ const FROM_END: f32 = 1.0 / 7.0;
 /// Maximum number of views of a rig.
 pub const MAX_VIEWS: usize = 1024;
 
-/// Eyes on one line behind one screen, for multi-view displays and light fields. A pair is a rig of two; [`Rig::mono`]
-/// is a rig of one eye.
+/// Eyes on one line that share one screen, for multi-view displays and light fields. A pair is a rig of two;
+/// [`Rig::mono`] is a rig of one eye.
 ///
 /// An eye stands at `eye + r o e`. `eye` is the camera's midpoint, `r` its right axis, `e` its interaxial, and `o` the
 /// eye's offset. All eyes look through the same screen rectangle, so the parallax between two of them is
@@ -69,9 +69,9 @@ impl Rig {
         Self { camera, offsets, traced: None }
     }
 
-    /// Sets the traced views, as indices into the offsets. By default as few views are traced as keep every other view
-    /// within [`Rig::REACH`] of its source. Where one would serve 24 views or more, two are traced. With `bracket`, a
-    /// view between two traced ones queries both for shadow bits, the nearer one first.
+    /// Sets the traced views, as indices into the offsets. By default, as few views are traced as needed to keep every
+    /// other view within [`Rig::REACH`] of its source. Where one traced view would serve 24 views or more, two are
+    /// traced. With `bracket`, a view between two traced views queries both for visibility bits, the nearer one first.
     pub fn traced(mut self, views: Vec<usize>) -> Self {
         self.traced = Some(views);
         self
@@ -150,8 +150,8 @@ impl Rig {
         (0..self.offsets.len()).filter_map(nearest).collect()
     }
 
-    /// Traces as few views as keep every other view within [`Rig::REACH`], or twice as many where each would serve
-    /// many. Returns the source of each view.
+    /// Chooses as few traced views as needed to keep every other view within [`Rig::REACH`]. A group of at least
+    /// `FOR_TWO` views gets two traced views. Returns the source of each view.
     fn sources_by_rule(&self, pose: &Pose) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.offsets.len()).collect();
         order.sort_by(|&a, &b| self.offsets[a].total_cmp(&self.offsets[b]));
@@ -187,13 +187,13 @@ fn seconds(offsets: &[f32], sources: &[usize]) -> Vec<usize> {
     sources.iter().enumerate().map(second).collect()
 }
 
-/// How rays of a picture leave the eyes. Kernels ask the camera (`shaders/shared/camera.wgsl`); the host asks here.
+/// How the rays of a picture leave the eyes. Kernels use `shaders/shared/camera.wgsl`, and the host uses this type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) enum Projection {
-    /// Through a screen's rectangle.
+    /// Rays through a screen's rectangle.
     #[default]
     Planar,
-    /// All around, as tangents of a circle: a test of what another camera touches.
+    /// Rays in all directions, along tangents of a circle. It tests which code a further camera model needs.
     #[cfg(test)]
     Around,
 }

@@ -44,10 +44,10 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
         (far_off, "interaxial is 0.3; so far from the scene's origin"),
         (
             camera().vertical_fov_degrees(0.01),
-            "vertical_fov is 0.01, and pixels of 100x80 span 2.2e-6 radians; pixels must",
+            "vertical_fov is 0.01, so a pixel of the 100x80 picture spans 2.2e-6 radians; pixels must",
         ),
-        (camera().vertical_fov_degrees(179.99), "vertical_fov is 179.99, and pixels of 100x80 span"),
-        (camera().screen_width(1e-3), "screen_width is 0.001, and pixels of 100x80 span 2.5e-6 radians"),
+        (camera().vertical_fov_degrees(179.99), "vertical_fov is 179.99, so a pixel of the 100x80 picture spans"),
+        (camera().screen_width(1e-3), "screen_width is 0.001, so a pixel of the 100x80 picture spans 2.5e-6 radians"),
         (camera().size(1 << 18, 1), "size is 262144x1; width and height must be at most 131072"),
         (
             camera().screen_distance(f32::NEG_INFINITY),
@@ -57,7 +57,10 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
         (parallel().interaxial_pixels(0.0), "interaxial is 0.0 px; in pixels it is the parallax at infinity"),
         (parallel().interaxial(f32::NAN), "interaxial is NaN; it must be a number of at least 0"),
         (parallel().screen_width(2.0), "screen_width is 2; give a finite screen distance"),
-        (parallel().vertical_fov_degrees(0.01), "vertical_fov is 0.01, and pixels of 100x80 span 2.2e-6 radians"),
+        (
+            parallel().vertical_fov_degrees(0.01),
+            "vertical_fov is 0.01, so a pixel of the 100x80 picture spans 2.2e-6 radians",
+        ),
         (
             parallel().eye(Vec3::splat(1e7)).target(Vec3::ZERO).interaxial(0.3),
             "interaxial is 0.3; so far from the scene's origin",
@@ -70,11 +73,11 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
         (calibrated(Intrinsics::new([90.0; 2], [f64::INFINITY, 40.0])), "cx is inf; a principal point must be"),
         (
             calibrated(Intrinsics::new([90.0; 2], [1e6, 40.0])),
-            "intrinsics is fx 90, fy 90, cx 1000000, cy 40, and pixels of 100x80 span",
+            "intrinsics is fx 90, fy 90, cx 1000000, cy 40, so a pixel of the 100x80 picture spans",
         ),
         (
             calibrated(Intrinsics::new([90.0; 2], [50.0, -1e6])),
-            "intrinsics is fx 90, fy 90, cx 50, cy -1000000, and pixels",
+            "intrinsics is fx 90, fy 90, cx 50, cy -1000000, so a pixel",
         ),
         (lenses(1e9, 1e9), "intrinsics is fx 1000000000"),
         (lenses(1e-9, 1e-9), "intrinsics is fx 0.000000001"),

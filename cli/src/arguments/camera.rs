@@ -1,4 +1,4 @@
-//! Options of the camera.
+//! Defines the options of the camera.
 
 use std::{error::Error, fs, path::PathBuf, sync::Arc};
 
@@ -14,8 +14,8 @@ pub(crate) struct CameraArguments {
     /// JSON file of cameras by name. The options below replace parts of the chosen camera
     #[arg(long, value_name = "FILE")]
     pub(super) cameras: Option<PathBuf>,
-    /// Name of the camera: in the file of --cameras [default: the scene's name], or else among the scene file's own
-    /// cameras [default: its first]
+    /// Name of the camera in the file of --cameras [default: the scene's name], or without that file, in the scene file
+    /// [default: its first camera]
     #[arg(long, value_name = "NAME")]
     pub(super) camera: Option<String>,
     /// Midpoint between the eyes, in world coordinates
@@ -37,22 +37,23 @@ pub(crate) struct CameraArguments {
     /// Distance between the eyes in world units (baseline, interpupillary distance, IPD)
     #[arg(long, value_name = "E", allow_hyphen_values = true)]
     interaxial: Option<f32>,
-    /// Distance between the eyes in pixels, which is the parallax at infinity
+    /// Distance between the eyes in pixels; equals the parallax at infinity
     #[arg(long, value_name = "E", allow_hyphen_values = true, conflicts_with = "interaxial")]
     interaxial_px: Option<f32>,
     /// Turn the eyes towards each other (toed-in convergence). Both views are then traced, and points have vertical
     /// parallax
     #[arg(long)]
     toe_in: bool,
-    /// Calibration file of a rectified pair, Middlebury's or KITTI's. It sets focal lengths, principal points, baseline
-    /// and size
+    /// Calibration file of a rectified pair in Middlebury's or KITTI's format. It sets focal lengths, principal points,
+    /// baseline and size
     #[arg(long, value_name = "FILE", conflicts_with_all = ["fov", "screen", "interaxial", "interaxial_px", "toe_in"])]
     pub(super) calib: Option<PathBuf>,
-    /// World units per unit of length in the calibration file: per millimetre in Middlebury's, per metre in KITTI's
+    /// World units per unit of length in the calibration file, which is a millimetre for Middlebury and a metre for
+    /// KITTI
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = above_zero, allow_hyphen_values = true)]
     calib_scale: f32,
-    /// Choose interaxial and screen distance for a display of WIDTH metres seen from DISTANCE metres: the strongest
-    /// depth that is comfortable
+    /// Choose interaxial and screen distance for the strongest comfortable depth on a display of WIDTH metres seen from
+    /// DISTANCE metres
     #[arg(
         long,
         value_name = "WIDTH:DISTANCE",
@@ -74,8 +75,8 @@ impl CameraArguments {
         self.cameras.as_ref().map(named).transpose()
     }
 
-    /// Returns the named camera of a scene file, or without a name the first. Without a name, --eye or --target
-    /// excludes the file's cameras.
+    /// Returns the named camera of a scene file, or the first camera if --camera is not given. In that case, --eye or
+    /// --target excludes the file's cameras.
     pub(super) fn of_scene_file(&self, cameras: &[(Arc<str>, StereoCamera)]) -> Result<Option<StereoCamera>, String> {
         let Some(name) = &self.camera else {
             let is_said = self.eye.is_some() || self.target.is_some();
@@ -115,7 +116,7 @@ impl CameraArguments {
         Ok(camera.screen_distance(distance).interaxial(distance / 30.0))
     }
 
-    /// Returns the camera with the parts replaced that the options set.
+    /// Returns the camera with all values replaced that the options set.
     pub(crate) fn replace_parts(&self, mut camera: StereoCamera) -> StereoCamera {
         if let Some(eye) = self.eye {
             camera = camera.eye(eye);
@@ -130,8 +131,8 @@ impl CameraArguments {
             camera = camera.vertical_fov_degrees(degrees);
         }
         if let Some(distance) = self.screen {
-            // Parallel cameras have no parallax at infinity, so an interaxial in pixels is converted to world units.
-            // A later check reports faults of the camera.
+            // Parallel cameras have no parallax at infinity, so an interaxial in pixels is converted to world units. A
+            // later check reports an invalid camera.
             if let (true, Ok(pose)) = (distance.is_infinite() && self.interaxial_px.is_none(), camera.pose()) {
                 camera = camera.interaxial(pose.interaxial);
             }
@@ -149,7 +150,7 @@ impl CameraArguments {
         camera
     }
 
-    /// Returns the pair of --calib at the pose of `camera`, or `camera` itself without that option.
+    /// Returns the pair of --calib at the pose of `camera`, or `camera` itself if --calib is not given.
     pub(super) fn calibrated(
         &self,
         camera: StereoCamera,
@@ -157,7 +158,7 @@ impl CameraArguments {
         limits: &Limits,
     ) -> Result<StereoCamera, Box<dyn Error>> {
         let Some(file) = &self.calib else { return Ok(camera) };
-        let text = fs::read_to_string(file).unwrap_or_default(); // the readers below report a fault
+        let text = fs::read_to_string(file).unwrap_or_default(); // the readers below report an unreadable file
         let is_middlebury = text.lines().any(|line| line.trim_start().starts_with("cam0"));
         let calibrated = match (is_middlebury, size) {
             (true, Some(_)) => {

@@ -1,4 +1,4 @@
-//! Options of lights, ambient light and sky.
+//! Defines the options of lights, ambient light and sky.
 
 use std::path::PathBuf;
 
@@ -10,8 +10,8 @@ use super::values::{above_zero, ambient, light};
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Light")]
 pub(crate) struct LightArguments {
-    /// Replace the scene's lights by this one: position in world units, colour in linear light. A radius makes it a
-    /// sphere with soft shadows. Repeat the option for more lights
+    /// Replace the scene's lights by a light with this position in world units and linear colour. A radius makes the
+    /// light a sphere with soft shadows. Repeat the option for more lights
     #[arg(
         long,
         value_name = "X,Y,Z[:R,G,B[:RADIUS]]",
@@ -20,19 +20,19 @@ pub(crate) struct LightArguments {
         conflicts_with = "lights"
     )]
     light: Vec<Light>,
-    /// Replace the scene's lights by N lights around the eyes [default: the scene's own; for a file without lights one
-    /// soft light, or 5 with --plain or --cameras]
+    /// Replace the scene's lights by N lights around the eyes [default: the scene's own lights; for a file without
+    /// lights, one soft light, or 5 with --plain or --cameras]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1000), allow_hyphen_values = true)]
     lights: Option<u32>,
     /// Turn point lights into spheres of this radius, in world units, so that shadows get a penumbra
     #[arg(long, value_name = "R", value_parser = above_zero, allow_hyphen_values = true)]
     light_radius: Option<f32>,
-    /// Ambient light, linear: one number, or red, green and blue [default: the scene's; else 0.36,0.38,0.41 with the
-    /// automatic light of a file, 0.15 with other lights, and 1 without lights]
+    /// Ambient light in linear units: one number, or red, green and blue [default: the scene's value; else
+    /// 0.36,0.38,0.41 with the automatic light of a file, 0.15 with other lights, and 1 without lights]
     #[arg(long, value_name = "V|R,G,B", value_parser = ambient, allow_hyphen_values = true)]
     ambient: Option<Vec3>,
     /// Sky: an equirectangular PNG, JPEG, HDR or EXR file (HDRI, environment map), or `procedural` [default: the
-    /// scene's; for a file a grey backdrop, or black with --plain or --cameras]
+    /// scene's sky; for a file, a grey backdrop, or black with --plain or --cameras]
     #[arg(long, value_name = "FILE")]
     sky: Option<PathBuf>,
 }
@@ -49,8 +49,8 @@ impl LightArguments {
         self.lights.is_some()
     }
 
-    /// Replaces the scene's lights by those of the options, and sets radius and ambient light. `otherwise` places the
-    /// lights if no option does.
+    /// Replaces the scene's lights by the lights of the options, and sets radius and ambient light. If no option gives
+    /// lights, `otherwise` places them.
     pub(crate) fn place(
         &self,
         scene: &mut Scene,

@@ -1,4 +1,4 @@
-//! The command line: commands, and arguments that they share. Each command's own arguments are in `commands`.
+//! Defines the commands and the arguments that they share. Each command's own arguments are in `commands`.
 
 mod camera;
 mod light;
@@ -51,7 +51,7 @@ Environment:
   STEREOTRACE_ADAPTER  adapter to render with, if --adapter is not given
   NO_COLOR             disables colours in the output";
 
-/// Ray-trace stereo pairs on the GPU, reuse one eye's samples for the other, and measure the error of that
+/// Ray-trace stereo pairs on the GPU, reuse one eye's samples for the other, and measure the error of this reuse
 #[derive(Clone, Debug, Parser)]
 #[command(name = "stereotrace", version, after_help = AFTER, propagate_version = true, max_term_width = 110)]
 pub(crate) struct Cli {
@@ -61,7 +61,7 @@ pub(crate) struct Cli {
     pub(crate) command: Command,
 }
 
-/// Options of all commands.
+/// Options that all commands share.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "All commands")]
 pub(crate) struct Global {
@@ -91,7 +91,7 @@ pub(crate) enum Command {
     Render(Box<render::Arguments>),
     /// Render pairs along a camera path or around an object, as numbered files or as raw video for ffmpeg
     Sequence(Box<sequence::Arguments>),
-    /// Render any number of views from left to right, as files or as a quilt for a light-field display
+    /// Render any number of views from left to right, as files or as a quilt for light-field displays
     Views(Box<views::Arguments>),
     /// Open a window with a live pair, and navigate by mouse and keys
     View(Box<view::Arguments>),

@@ -1,4 +1,4 @@
-//! Options of rendering: size, method, samples, light transport and tone.
+//! Defines the options of rendering: size, method, samples, light transport and tone.
 
 use clap::Args;
 use stereotrace::{
@@ -14,14 +14,14 @@ pub(super) const SIZE: [u32; 2] = [1280, 720];
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Picture")]
 pub(crate) struct PictureArguments {
-    /// Size of one eye's picture in pixels [default: 1280x720, or that of --calib]
+    /// Size of one eye's picture in pixels [default: 1280x720, or the size in the --calib file]
     #[arg(long = "size", value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub(super) size_said: Option<[u32; 2]>,
-    /// Method that makes the second eye: auto (the cheaper of bracket and naive), naive, bracket or another
+    /// Method that renders the second eye: auto (the cheaper of bracket and naive), naive, bracket or another method
     ///
-    /// auto chooses by prediction; naive traces both eyes; bracket reuses the left eye and shows the same surfaces.
-    /// Others are ideal, atomic, buffer, buffer-2e, buffer-N (N slots a pixel), es-isler, adelson-hodges, atomic-edges,
-    /// buffer-edges, verified and bracket-rays.
+    /// auto predicts the cheaper method; naive traces both eyes; bracket reuses the left eye's shadows and shows the
+    /// same surfaces as naive. Other methods are ideal, atomic, buffer, buffer-2e, buffer-N (N slots per pixel),
+    /// es-isler, adelson-hodges, atomic-edges, buffer-edges, verified and bracket-rays.
     #[arg(long, default_value_t)]
     pub(crate) method: Method,
     /// Samples per pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64 [default: 4 for a file without --plain or
@@ -38,7 +38,7 @@ pub(crate) struct PictureArguments {
         allow_hyphen_values = true
     )]
     pub(crate) adaptive: Option<Adaptive>,
-    /// Filter that weights the samples of a pixel: box, tent or gauss
+    /// Reconstruction filter that weights the samples of a pixel: box, tent or gauss
     #[arg(long, value_name = "KIND", default_value_t)]
     filter: Filter,
     /// Jitter the sample grid, so that near-vertical edges get more levels: true or false
@@ -58,7 +58,7 @@ pub(crate) struct PictureArguments {
     /// Tone mapping: clamp values above 1, or filmic, a curve for all values
     #[arg(long, value_name = "clamp|filmic", default_value = "clamp", value_parser = tone)]
     tone: Tone,
-    /// Seed of the random numbers for soft light, jitter and random cameras. The same seed makes the same picture
+    /// Seed of the random numbers for soft light, jitter and random cameras. Equal seeds give equal pictures
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u32,
     /// Shadow rays per sample to each light that is not a point, 1 to 32 [default: 16; 4 for a file without --plain,
@@ -70,16 +70,16 @@ pub(crate) struct PictureArguments {
     #[arg(long, value_name = "N[:RADIUS]", value_parser = occlusion)]
     pub(crate) occlusion: Option<OcclusionArgument>,
     /// Light surfaces by the sky (image-based lighting) in place of ambient light, by N rays per sample, 1 to 32.
-    /// Occluders block it
+    /// Occluders block the sky's light
     #[arg(long, value_name = "N", conflicts_with = "occlusion")]
     pub(crate) sky_light: Option<u32>,
-    /// How traced views find their closest hits: rays, or t-buffer, which draws each primitive over the pixels that it
-    /// may cover
+    /// Algorithm that finds the closest hits of traced views: rays, or t-buffer, which draws each primitive over the
+    /// pixels that it may cover
     #[arg(long, value_name = "KIND", default_value_t)]
     visibility: Visibility,
-    /// Use shadow buffers in place of shadow rays: tables of ROWS rows of directions around each point light. Compare
-    /// objects, or depths with a BIAS, or trace rays where neither proves anything (hybrid, the default rule). BIAS
-    /// and MARGIN are in texel widths
+    /// Use shadow buffers in place of shadow rays: tables of ROWS rows of directions around each point light. The rule
+    /// compares objects, compares depths with a BIAS, or traces rays where the buffer is uncertain (hybrid, the
+    /// default). BIAS and MARGIN are in texel widths
     #[arg(long, value_name = "ROWS[:object|depth[=BIAS]|hybrid[=MARGIN]]", value_parser = shadow_buffer)]
     shadow_buffer: Option<ShadowBuffer>,
     /// Count BVH nodes and primitive tests (slower)
@@ -94,7 +94,7 @@ impl PictureArguments {
     }
 
     /// Returns the arguments with the defaults of the automatic look of a file: antialiasing, and ambient occlusion
-    /// unless lights or the sky light are given. Given options stay.
+    /// unless lights or the sky light are given. Options on the command line keep their values.
     pub(crate) fn flattered(&self, lights_are_said: bool, scene: &Scene) -> Self {
         let mut settled = self.clone();
         if self.samples.is_none() && self.adaptive.is_none() {

@@ -1,4 +1,4 @@
-//! Options of reading files, and their limits.
+//! Defines the options of reading files, and their limits.
 
 use std::path::Path;
 
@@ -13,16 +13,16 @@ const CREASE_ANGLE: f32 = 30.0;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reading files")]
 pub(crate) struct ReadingArguments {
-    /// Objects without normals get smooth edges where faces turn by less than DEG degrees; off: flat faces [default:
-    /// 30; off for glTF, as its specification says]
+    /// Give objects without normals smooth edges where faces turn by less than DEG degrees; off keeps faces flat
+    /// [default: 30; off for glTF, as its specification requires]
     #[arg(long, value_name = "DEG|off", value_parser = crease_angle, allow_hyphen_values = true)]
     crease_angle: Option<CreaseAngle>,
-    /// What to do if a texture can't be read: error, or warn and render without it
+    /// Treatment of a texture that can't be read: error, or warn and render without the texture
     #[arg(long, value_name = "error|warn", default_value = "error", value_parser = missing_textures)]
     missing_textures: MissingTextures,
-    /// World position that a scene file's coordinates are stored relative to. none is 0,0,0. auto is 0,0,0 too, unless
-    /// the file lies farther away than 8 times its longest side: then the rounded middle of the file. Cameras, lights
-    /// and ground truth stay in world coordinates
+    /// World position that a scene file's coordinates are stored relative to. none is 0,0,0. auto uses the file's
+    /// rounded centre if the file lies farther away than 8 times its longest side, else 0,0,0. Cameras, lights and
+    /// ground truth stay in world coordinates
     #[arg(
         long,
         value_name = "auto|none|X,Y,Z",
@@ -31,19 +31,22 @@ pub(crate) struct ReadingArguments {
         allow_hyphen_values = true
     )]
     origin: Origin,
-    /// Files that a scene names outside its own folder, such as ../textures: refuse, or allow if you trust the scene
+    /// Treatment of files that a scene names outside its own folder, such as ../textures: refuse, or allow if you trust
+    /// the scene
     #[arg(long, value_name = "refuse|allow", default_value = "refuse", value_parser = outside_files)]
     outside_files: OutsideFiles,
-    /// Largest scene, JSON, texture or sky file, and sum of MTL files, in MiB [default: 1024, 16 for JSON]
+    /// Maximum size in MiB of a scene, JSON, texture or sky file, and of all MTL files together [default: 1024, 16 for
+    /// JSON]
     #[arg(long, value_name = "MIB")]
     max_file: Option<u32>,
-    /// Largest sky in millions of pixels; the adapter may hold less [default: 8.388608, which is 4096x2048]
+    /// Maximum size of a sky in millions of pixels; the adapter's limit may be lower [default: 8.388608, which is
+    /// 4096x2048]
     #[arg(long, value_name = "MILLIONS", value_parser = millions)]
     max_sky: Option<Millions>,
-    /// Largest sum of a file's textures in millions of pixels [default: 67.108864, which is 8192x8192]
+    /// Maximum size of all textures of a file together, in millions of pixels [default: 67.108864, which is 8192x8192]
     #[arg(long, value_name = "MILLIONS", value_parser = millions)]
     max_texture: Option<Millions>,
-    /// Largest number of triangles in millions; each instance counts [default: 33.554432]
+    /// Maximum number of triangles in millions; each instance counts [default: 33.554432]
     #[arg(long, value_name = "MILLIONS", value_parser = millions)]
     max_triangles: Option<Millions>,
 }
@@ -68,7 +71,7 @@ impl ReadingArguments {
         limits
     }
 
-    /// Returns the options to read a scene file with. The default crease angle depends on the file's ending.
+    /// Returns the options for reading a scene file. The default crease angle depends on the file name's extension.
     pub(crate) fn options(&self, scene: &Path) -> SceneOptions {
         let is_gltf =
             ["gltf", "glb"].iter().any(|ending| scene.extension().is_some_and(|it| it.eq_ignore_ascii_case(ending)));

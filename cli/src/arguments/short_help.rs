@@ -1,10 +1,10 @@
-//! `-h`: the common options and examples, on one screen. `--help` has all options.
+//! Makes the short help of `-h`, which shows the common options and examples on one screen. `--help` shows all options.
 
 use clap::{Arg, Command, CommandFactory};
 
 use super::Cli;
 
-/// The options that `-h` shows; other commands than these show all.
+/// Options that `-h` shows. Commands without examples show all their options.
 const COMMON: &[&str] = &[
     "scene",
     "out",
@@ -29,7 +29,7 @@ const COMMON: &[&str] = &[
     "help",
 ];
 
-/// Examples of each command, a line each.
+/// Example command lines of each command.
 const EXAMPLES: [(&str, &[&str]); 7] = [
     (
         "render",
@@ -107,7 +107,7 @@ mod tests {
         for (name, _) in EXAMPLES {
             let command = whole.find_subcommand_mut(name).unwrap();
             let (short, long) = (command.render_help().to_string(), command.render_long_help().to_string());
-            // Measured: 42 to 57 lines, 100 columns wide.
+            // The measured help texts have 42 to 57 lines at 100 columns.
             assert!(short.lines().count() <= 60, "{name}: {}\n{short}", short.lines().count());
             assert!(short.contains("Examples:") && long.contains("Examples:"), "{name}");
             assert!(long.contains("--adapter") && !short.contains("--adapter"), "{name}");

@@ -1,4 +1,4 @@
-//! The scene, camera, lights and render options: the arguments that all rendering commands share. [`Subject::open`]
+//! Defines the arguments that all rendering commands share: scene, camera, lights and render options. [`Subject::open`]
 //! turns them into a [`Stage`].
 
 use std::{
@@ -44,7 +44,7 @@ pub(crate) struct Subject {
     pub(crate) reading: ReadingArguments,
 }
 
-/// Everything that a picture is made from: scene, camera, options and device.
+/// Inputs of a picture: scene, camera, options and device.
 pub(crate) struct Stage {
     /// Name of the scene, for tables and file names.
     pub(crate) name: String,
@@ -59,7 +59,7 @@ pub(crate) struct Stage {
     pub(crate) build: Duration,
 }
 
-/// Width in pixels of the picture that depths are measured in.
+/// Width in pixels of the preview picture that [`depths`] measures.
 const PREVIEW: u32 = 320;
 
 /// Returns the nearest and the farthest depth that either eye sees, in world units along the view. The farthest is
@@ -73,7 +73,7 @@ pub(crate) fn depths(
     let [width, height] = pose.size;
     let rows = (u64::from(PREVIEW) * u64::from(height) / u64::from(width)).clamp(1, 16 * u64::from(PREVIEW)) as u32;
     let options = Options::new(Method::Naive).g_buffer(GBuffer::Depth);
-    // Scaled intrinsics keep the view, however the camera was given.
+    // Scaled intrinsics keep the field of view, also for cameras given by intrinsics.
     let scales = [f64::from(PREVIEW) / f64::from(width), f64::from(rows) / f64::from(height)];
     let camera = camera.convergence(Convergence::OffAxis).interaxial(pose.interaxial).size(PREVIEW, rows);
     let camera = camera.intrinsics(pose.intrinsics().scaled(scales));
@@ -121,7 +121,7 @@ impl Subject {
         Ok(Stage { name: self.name(), scene, camera, options, renderer, uploaded, read, build })
     }
 
-    /// Returns the scene's name: that of a built-in scene, or the file's name without its ending.
+    /// Returns the scene's name: the name of a built-in scene, or the file name without its extension.
     pub(crate) fn name(&self) -> String {
         match self.builtin_name() {
             Some(name) => name.to_owned(),
@@ -174,8 +174,8 @@ impl Subject {
         Ok((scene, cameras))
     }
 
-    /// Returns the camera: that of --cameras, of the built-in scene, of the scene file, or one that shows the whole
-    /// scene. Options then replace its parts.
+    /// Returns the camera of --cameras, of the built-in scene or of the scene file, else a camera that shows the whole
+    /// scene. Options then replace its values.
     fn stereo_camera(
         &self,
         scene: &Scene,
@@ -192,11 +192,12 @@ impl Subject {
         };
         let camera = self.camera.replace_parts(camera);
         let camera = self.camera.calibrated(camera, self.picture.size_said, &self.reading.limits())?;
-        camera.pose()?; // reports faults before the scene is uploaded
+        camera.pose()?; // reports an invalid camera before the scene is uploaded
         Ok(camera)
     }
 
-    /// Places the lights: those of the options, or of the file of --cameras, or of the scene, or default lights.
+    /// Sets the lights. The options come first, then the file of --cameras, then the scene's own lights, then default
+    /// lights.
     fn place_lights(&self, scene: &mut Scene, camera: &StereoCamera) -> Result<(), Box<dyn Error>> {
         let builtin = self.builtin()?;
         let otherwise = |scene: &mut Scene| {

@@ -1,4 +1,4 @@
-//! Parsers of option values.
+//! Parses option values.
 
 use std::ops::Range;
 
@@ -12,11 +12,11 @@ use stereotrace::{
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CreaseAngle(pub(crate) Option<f32>);
 
-/// A count that the command line gives in millions.
+/// Count that the command line gives in millions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Millions(pub(crate) u64);
 
-/// Number of rays, and their length in world units if given.
+/// Number of rays, and optionally their length in world units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OcclusionArgument(pub(crate) u32, pub(crate) Option<f32>);
 
@@ -96,7 +96,7 @@ pub(crate) fn occlusion(text: &str) -> Result<OcclusionArgument, String> {
     Ok(OcclusionArgument(rays, radius.map(above_zero).transpose()?))
 }
 
-/// Default number of adaptive levels: up to 9 samples along a pixel's side.
+/// Default number of adaptive levels; 4 levels give up to 9 samples along a pixel's side.
 const LEVELS: u32 = 4;
 
 pub(crate) fn adaptive(text: &str) -> Result<Adaptive, String> {

@@ -24,7 +24,7 @@ use crate::{
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// Methods to compare with naive, separated by commas
+    /// Methods that are compared with naive, separated by commas
     #[arg(
         long,
         value_name = "NAMES",
@@ -32,19 +32,19 @@ pub(crate) struct Arguments {
         default_value = "bracket,verified,atomic,buffer-2e,es-isler"
     )]
     methods: Vec<Method>,
-    /// Timed pictures per method, of which the median counts. Methods take turns, after one picture each that compiles
-    /// the kernels
+    /// Number of timed pictures per method; the table has their median. Methods take turns, after one untimed picture
+    /// each that compiles the kernels
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
     #[command(flatten)]
     subject: Subject,
 }
 
-/// One method's figures.
+/// Figures of one method.
 struct Row {
     method: Method,
     times: Vec<Duration>,
-    /// Cost of the second eye divided by that of the first, by counters.
+    /// Cost of the second eye divided by the first eye's cost, by counters.
     cost: f64,
     retraced: f64,
     difference: Difference,

@@ -102,7 +102,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         if stop.is_asked_for() {
             return Err(Interrupted { done: made, of: pending.len(), can_go_on: true }.into());
         }
-        // Another command may make the same pairs.
+        // Another command may have rendered this pair already.
         if !manifest.has(item)? {
             match make(arguments, &mut stage, motion.as_ref(), item, &folder, &mut progress) {
                 Ok(line) => made += usize::from(manifest.add(item, &line)?),
@@ -243,7 +243,7 @@ impl Manifest {
     /// Begins a manifest, or continues one whose first line is `record`.
     ///
     /// # Errors
-    /// If the folder's manifest has another first line.
+    /// Fails if the folder's manifest has another first line.
     fn open(folder: &Path, record: &Value) -> Result<Self, Box<dyn Error>> {
         let path = folder.join(MANIFEST);
         let mut manifest = Self { folder: folder.to_owned(), path, done: BTreeSet::new(), read: 0, lines: 0 };
@@ -255,7 +255,7 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// Returns whether a pair exists by now.
+    /// Returns whether any command has finished this pair.
     fn has(&mut self, item: u32) -> Result<bool, Box<dyn Error>> {
         let mut file = self.locked()?;
         self.catch_up(&mut file, None)?;
@@ -277,7 +277,7 @@ impl Manifest {
         Ok(true)
     }
 
-    /// Opens and locks the file. The lock lasts until the returned file is dropped.
+    /// Opens and locks the file. Dropping the returned file releases the lock.
     fn locked(&self) -> Result<File, Box<dyn Error>> {
         let opened = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(&self.path);
         let file = opened.map_err(|error| self.fault(&error))?;

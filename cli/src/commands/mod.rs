@@ -1,4 +1,4 @@
-//! One file for each command: its arguments, its work and its summary.
+//! Each file implements one command: its arguments, its work and its summary.
 
 pub(crate) mod compare;
 pub(crate) mod dataset;

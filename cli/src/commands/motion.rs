@@ -1,4 +1,4 @@
-//! Camera motion of `sequence` and `dataset`: an orbit or a path of key frames.
+//! Defines the camera motion of `sequence` and `dataset`: an orbit or a path of key frames.
 
 use std::{error::Error, f32::consts::TAU, path::PathBuf};
 
@@ -34,7 +34,7 @@ pub(super) enum Motion {
 }
 
 impl MotionArguments {
-    /// Returns the motion that the options give, if any.
+    /// Returns the motion of the options, or `None` without such an option.
     pub(super) fn motion(&self, subject: &Subject, camera: StereoCamera) -> Result<Option<Motion>, Box<dyn Error>> {
         let Some(file) = &self.path else {
             return Ok(self.orbit.map(|frames| Motion::Orbit(camera, frames)));

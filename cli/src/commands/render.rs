@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     /// holds both views. A folder gets the left view, right view, anaglyph and all other requested files
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
     out: PathBuf,
-    /// Also render by naive, and report the right eye's errors against it
+    /// Also render by naive, and report the right eye's errors relative to naive
     #[arg(long)]
     compare: bool,
     /// Write depths and primitive ids of both eyes (PFM), the right eye's re-trace map, its shadow map if a bracket
@@ -199,7 +199,7 @@ fn add_maps(
     if let Some(picture) = pair.shadow_picture() {
         batch.add_png(folder.join("shadows.png"), &picture)?;
     }
-    // Both eyes have one scale: white is the cost that 99.9% of the left pixels stay below.
+    // Both eyes use one scale. White is the cost that 99.9% of the left pixels do not exceed.
     let mut costs = pair.left.cost.clone();
     costs.sort_unstable();
     let white = costs.get(costs.len() * 999 / 1000).copied().unwrap_or(1);

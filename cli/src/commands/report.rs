@@ -1,4 +1,4 @@
-//! The table at the end: scene, camera, method, cost, comfort and written files.
+//! Prints the table of scene, camera, method, cost, comfort and written files.
 
 use std::{
     fmt::{self, Display, Formatter},
@@ -33,7 +33,7 @@ pub(crate) struct Report<'a> {
     pub(crate) stage: &'a Stage,
     pub(crate) pair: &'a StereoPair,
     pub(crate) wall: WallTimes,
-    /// Difference between the right view and `naive`'s, with --compare.
+    /// Difference between the right view and that of `naive`, if --compare is given.
     pub(crate) difference: Option<Difference>,
     pub(crate) files: &'a [PathBuf],
 }

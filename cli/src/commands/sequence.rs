@@ -24,9 +24,9 @@ use crate::{
     target::{EyesArguments, Target, add_pair, is_open_exr},
 };
 
-/// File that records what a folder's pictures were made with.
+/// File that records the settings and inputs of a folder's pictures.
 const RECORD: &str = "sequence.json";
-/// Pictures of the default motion, an orbit.
+/// Number of pictures of the default motion, an orbit.
 const ORBIT: u32 = 72;
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
     /// a number for one picture of each, such as film/frame_%04d.png; or - for raw RGB pictures on standard output
     #[arg(long, short, value_name = "DIR|NAMES|-", default_value = "out")]
     out: PathBuf,
-    /// Replace existing pictures, whatever they were made with
+    /// Replace existing pictures, also those of other settings
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
@@ -201,9 +201,9 @@ impl Names {
     }
 }
 
-/// Writes the record of what the pictures are made with. If the folder has the same record, its pictures are kept.
-/// Other pictures are an error, or with `overwrite` are removed first, so that an interrupted sequence has none of
-/// them.
+/// Writes the record of the pictures' settings and inputs. If the folder has the same record, its pictures are kept.
+/// Pictures of another record are an error. With `overwrite` they are removed first, so that an interrupted sequence
+/// does not contain them.
 fn keep(
     record: &Value,
     folder: &Path,

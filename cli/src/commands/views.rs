@@ -22,7 +22,7 @@ use crate::{
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// Number of views. Neighbours are one interaxial apart [default: as many as the quilt holds, or 8]
+    /// Number of views. Neighbours are one interaxial apart [default: the number that fills the quilt, or 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     views: Option<u32>,
     /// Write a quilt for light-field displays: one picture of C columns and R rows, with the first view at the bottom
@@ -35,7 +35,7 @@ pub(crate) struct Arguments {
     /// Quality of JPEG files, 1 to 100
     #[arg(long, value_name = "Q", default_value_t = 92, value_parser = clap::value_parser!(u8).range(1..=100))]
     quality: u8,
-    /// Also render by naive, and report the views' errors against it
+    /// Also render by naive, and report the views' errors relative to naive
     #[arg(long)]
     compare: bool,
     #[command(flatten)]
@@ -122,7 +122,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
 /// Returns the number of views.
 ///
 /// # Errors
-/// If the number does not fill the quilt, or a quilt has more than 1024 views.
+/// Fails if the number does not fill the quilt, or a quilt has more than 1024 views.
 fn count(arguments: &Arguments) -> Result<u32, String> {
     let Some([columns, rows]) = arguments.quilt else { return Ok(arguments.views.unwrap_or(VIEWS)) };
     let places = columns.checked_mul(rows).filter(|places| (1..=1024).contains(places));
@@ -135,9 +135,9 @@ fn count(arguments: &Arguments) -> Result<u32, String> {
     }
 }
 
-/// Difference between views and those of `naive`.
+/// Difference between the views and the views of `naive`.
 struct Compared {
-    /// Mean percentage of pixels with the same colour, over all views; `least` is that of the worst view.
+    /// Mean percentage of pixels with the same colour, over all views; `least` is the percentage of the worst view.
     mean: f64,
     least: f64,
     /// Percentage of pixels that show another surface, in the worst view.

@@ -1,4 +1,4 @@
-//! The pose of the eyes, and how mouse and keys move it.
+//! Stores the pose of the eyes and moves it by mouse and keys.
 
 use std::{error::Error, f64::consts::PI};
 
@@ -7,13 +7,14 @@ use stereotrace::{
     glam::{DQuat, DVec3},
 };
 
-/// Minimum angle between the view and the up direction, in radians. The picture's right is undefined where they meet.
+/// Minimum angle between the view and the up direction, in radians. The picture's right direction is undefined if the
+/// view and up directions are parallel.
 const LEAST_SLANT: f64 = 0.03;
 /// Factor of the screen distance for one step of the wheel.
 const ZOOM: f64 = 0.9;
 
-/// Pose of the eyes in world coordinates. It is in f64, so that many small moves do not add up rounding errors. The
-/// eyes look at the middle of the screen, where parallax is zero, and orbit around it.
+/// Pose of the eyes in world coordinates. The values are in f64, so that many small moves do not add up rounding
+/// errors. The eyes look at the middle of the screen, where parallax is zero, and orbit around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     eye: DVec3,
@@ -31,10 +32,11 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Returns the place of a camera.
+    /// Returns the pose of a camera's eyes.
     ///
     /// # Errors
-    /// If pixels are not square or the principal point is off the picture's middle: a move would lose the calibration.
+    /// Fails if pixels are not square or the principal point is not the picture's centre, since a move would lose the
+    /// calibration.
     pub(super) fn of(camera: &StereoCamera) -> Result<Self, Box<dyn Error>> {
         let pose = camera.pose()?;
         let Pose { eye, forward, screen_distance, subject_distance, interaxial, size, .. } = pose;
@@ -59,7 +61,7 @@ impl Place {
         })
     }
 
-    /// Returns the camera moved to this place. Its size and up direction stay.
+    /// Returns the camera moved to this pose. Its size and up direction do not change.
     pub(super) fn camera(&self, camera: StereoCamera) -> StereoCamera {
         let camera = camera.eye(self.eye()).target(self.target()).vertical_fov_degrees(self.fov);
         camera.screen_distance(self.screen_distance()).interaxial(self.interaxial())
@@ -95,7 +97,7 @@ impl Place {
         self.forward.cross(self.axis).normalize()
     }
 
-    /// Turns the view to the left and upwards, in radians. The eyes stay.
+    /// Turns the view to the left and upwards, in radians. The midpoint between the eyes does not move.
     pub(super) fn look(&mut self, left: f64, up: f64) {
         let slant = self.forward.angle_between(self.axis);
         let (lowest, highest) = (slant + LEAST_SLANT - PI, slant - LEAST_SLANT);
@@ -104,7 +106,7 @@ impl Place {
         self.forward = (DQuat::from_axis_angle(self.axis, left) * raised).normalize();
     }
 
-    /// Turns the view as [`Place::look`] does, and moves the eyes so that the middle of the screen stays.
+    /// Turns the view as [`Place::look`] does, and moves the eyes so that the middle of the screen does not move.
     pub(super) fn orbit(&mut self, left: f64, up: f64) {
         let middle = self.middle();
         self.look(left, up);
@@ -120,7 +122,7 @@ impl Place {
     }
 
     /// Moves towards the middle of the screen by steps of the wheel. The interaxial scales with the distance, so that
-    /// the object there keeps its apparent depth.
+    /// an object at the screen keeps its apparent depth.
     pub(super) fn zoom(&mut self, steps: f64) {
         let (middle, factor) = (self.middle(), ZOOM.powf(steps));
         self.reach *= factor;
@@ -134,12 +136,13 @@ impl Place {
         self.eye += self.reach * (self.right() * right + self.axis * up + self.forward * ahead);
     }
 
-    /// Multiplies the interaxial.
+    /// Multiplies the interaxial by a factor.
     pub(super) fn spread(&mut self, factor: f64) {
         self.interaxial *= factor;
     }
 
-    /// Multiplies the screen distance. A screen at infinity moves to the orbit's centre if `factor` is below 1.
+    /// Multiplies the screen distance by a factor. A screen at infinity moves to the orbit's centre if `factor` is
+    /// below 1.
     pub(super) fn move_screen(&mut self, factor: f64) {
         if self.screen_distance.is_finite() {
             self.screen_distance *= factor;

@@ -1,4 +1,4 @@
-//! Keys and their actions.
+//! Maps keys to actions.
 
 use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey};
 
@@ -17,9 +17,9 @@ pub(super) enum Action {
     Samples {
         fewer: bool,
     },
-    /// Multiplies the interaxial.
+    /// Multiplies the interaxial by this factor.
     Spread(f64),
-    /// Multiplies the screen distance.
+    /// Multiplies the screen distance by this factor.
     MoveScreen(f64),
     Reset,
     Fullscreen,
@@ -100,8 +100,8 @@ pub(super) fn name(key: &Key, ctrl: bool) -> Option<String> {
     Some(if ctrl { format!("ctrl+{name}") } else { name })
 }
 
-/// Returns the direction that a held key flies in: right, up and ahead. It depends on the key's place, so that the
-/// layout is the same on all keyboards.
+/// Returns the direction that a held key flies in: right, up and ahead. The direction depends on the key's position, so
+/// that the layout is the same on all keyboards.
 pub(super) fn flight(key: PhysicalKey) -> Option<[f64; 3]> {
     let PhysicalKey::Code(code) = key else { return None };
     let letter = match code {

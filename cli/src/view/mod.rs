@@ -1,7 +1,7 @@
-//! `view`: a window with a live pair.
+//! The command `view` opens a window with a live pair.
 //!
-//! Two threads have one device each: `work` renders, and `window` draws. So the window responds however long a frame
-//! takes, and each device can be lost and replaced alone. Frames pass through the host, which copies some megabytes and
+//! Two threads have one device each: `work` renders, and `window` draws. So the window responds during long frames, and
+//! a lost device can be replaced without the other one. Frames pass through the host, which copies some megabytes and
 //! works for every option and adapter.
 //!
 //! `control` moves the eyes, `settings` holds the state, and `show` draws it on the surface of `screen`. `panel` draws
@@ -86,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         return Err(format!("--size {}x{}: a window can have at most {MOST} pixels per side", size[0], size[1]).into());
     }
     let origin = Origin::new(std::env::args_os(), subject.lights_stand_by_camera())?;
-    // Opened first, so that a missing display is reported before the scene is read.
+    // Open the event loop first, so that a missing display is reported before the scene is read.
     let events = EventLoop::with_user_event().build().map_err(|error| {
         let hint = if cfg!(target_os = "linux") { "; is DISPLAY or WAYLAND_DISPLAY set?" } else { "" };
         format!("no window can be opened: {error}{hint}")
@@ -94,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let stage = subject.open(global)?;
     let settings = Settings::new(&stage, &arguments.eyes, size)?;
     let proxy = events.create_proxy();
-    let say = move |said: Said| drop(proxy.send_event(said)); // fails if the window is closed
+    let say = move |said: Said| drop(proxy.send_event(said)); // sending fails if the window is closed
     let worker = Worker::new((stage.renderer, stage.uploaded), stage.scene.clone(), global.clone(), say)?;
     let name = if stage.name.is_empty() { "view".into() } else { stage.name };
     let output = Output { folder: arguments.out.clone(), name, origin, scene: stage.scene, quiet: global.quiet };

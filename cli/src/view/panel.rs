@@ -1,4 +1,4 @@
-//! Text over the picture, drawn on the host with a bitmap font.
+//! Draws the text over the picture on the host with a bitmap font.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use stereotrace::output::Picture;

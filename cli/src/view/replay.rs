@@ -1,4 +1,4 @@
-//! Input events from a file, for tests and demonstrations. They take the same path as a person's input.
+//! Reads input events from a file, for tests and demonstrations. The window handles them like mouse and key input.
 //!
 //! Each line is a step, and `#` begins a comment:
 //!

@@ -1,4 +1,4 @@
-//! Writes the shown picture, and prints the command line that makes it again.
+//! Writes the shown picture, and prints the command line that renders the same picture.
 
 use std::{
     error::Error,
@@ -39,7 +39,7 @@ const CAMERA: [&str; 10] =
 /// Arguments that are also replaced if lights were placed around the first camera.
 const LIGHT: [&str; 4] = ["light", "lights", "light_radius", "ambient"];
 
-/// A given argument.
+/// Argument of the command line.
 #[derive(Debug)]
 struct Given {
     id: String,
@@ -179,8 +179,8 @@ pub(super) fn quoted(words: &[OsString]) -> String {
     Vec::from_iter(words).join(" ")
 }
 
-/// Writes a pair as its mode shows it: one picture, or a folder of both eyes if the mode shows one at a time. Each call
-/// takes a new name. Either all files are written, or none.
+/// Writes a pair in the format of the window's mode: one picture, or a folder of both eyes if the mode shows one eye at
+/// a time. Each call uses a new file name. Either all files are written, or none.
 pub(super) fn write(
     settings: &Settings,
     pair: &StereoPair,
@@ -274,7 +274,7 @@ mod tests {
         assert!(shown == again, "{line:?}: another picture");
     }
 
-    /// Moves the eyes as a person may do.
+    /// Moves the eyes by typical mouse and key input.
     fn moved(settings: &mut Settings) {
         settings.move_eyes(|place| place.orbit(0.31, -0.12)).unwrap();
         settings.move_eyes(|place| place.zoom(0.7)).unwrap();

@@ -1,5 +1,5 @@
-//! The window's surface, and the device that draws into it. Rendering has another device, so that neither waits for the
-//! other.
+//! Draws into the window's surface with its own device. The rendering thread uses another device, so neither device
+//! waits for the other.
 
 use std::{
     error::Error,
@@ -22,7 +22,7 @@ const FORMATS: [TextureFormat; 4] = [
     TextureFormat::Rgba8Unorm,
 ];
 
-/// With more failures in a row than this the device counts as lost, since not every driver reports a loss.
+/// Number of failures in a row above which the device counts as lost, since not every driver reports a loss.
 const PATIENCE: u32 = 8;
 
 /// Result of drawing.
@@ -68,7 +68,7 @@ impl Screen {
         let lost = Arc::new(AtomicBool::new(false));
         let (flag, wake) = (lost.clone(), Arc::downgrade(&window));
         device.set_device_lost_callback(move |reason, message| {
-            // Also called when the device is dropped. Then nobody reads the flag.
+            // This callback also runs when the device is dropped, but then the flag is not read.
             log::info!("the window's device was lost ({reason:?}): {message}");
             flag.store(true, Ordering::Relaxed);
             if let Some(window) = wake.upgrade() {
@@ -88,7 +88,8 @@ impl Screen {
         Ok(screen)
     }
 
-    /// Returns the window's size in pixels, at most the maximum size of a texture. A side is 0 if it is minimised.
+    /// Returns the window's size in pixels, at most the maximum size of a texture. A side is 0 if the window is
+    /// minimised.
     pub(super) fn size(&self) -> [u32; 2] {
         let (size, most) = (self.window.inner_size(), self.device.limits().max_texture_dimension_2d);
         [size.width.min(most), size.height.min(most)]

@@ -1,4 +1,4 @@
-//! State of the window: what keys and mouse change, and what a frame is rendered with.
+//! Stores the window's settings, which keys and mouse change and which each frame uses.
 
 use stereotrace::{Method, Options, StereoCamera, output::Packing};
 
@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{arguments::Stage, target::EyesArguments};
 
-/// Possible numbers of samples a pixel.
+/// Supported numbers of samples per pixel.
 const SAMPLES: [u32; 8] = [1, 4, 9, 16, 25, 36, 49, 64];
 
 /// How the window shows both views.
@@ -28,10 +28,10 @@ impl Mode {
     pub(super) const ALL: [Self; 6] =
         [Self::Anaglyph, Self::SideBySide, Self::CrossEyed, Self::Wiggle, Self::Left, Self::Right];
 
-    /// Returns the mode of a packing, or anaglyph without one.
+    /// Returns the mode of a packing, or anaglyph mode for `None`.
     ///
     /// # Errors
-    /// For a packing that the window can't show.
+    /// Fails for a packing that the window can't show.
     pub(super) fn of(packing: Option<Packing>) -> Result<Self, String> {
         match packing {
             None => Ok(Self::Anaglyph),
@@ -61,11 +61,11 @@ impl Mode {
     }
 }
 
-/// Everything that the picture in the window depends on.
+/// Settings that determine the picture in the window.
 #[derive(Clone, Debug)]
 pub(super) struct Settings {
     pub(super) mode: Mode,
-    /// Anaglyph colours, and whether the eyes are exchanged. Its packing is unused: `mode` replaces it.
+    /// Anaglyph colours, and whether the eyes are exchanged. The field's packing is unused, since `mode` replaces it.
     pub(super) eyes: EyesArguments,
     pub(super) options: Options,
     /// Size of the window in pixels. A side is 0 if the window is minimised.
@@ -120,8 +120,8 @@ impl Settings {
         self.place != self.begin.place || self.size() != self.begin.size
     }
 
-    /// Returns the camera of a whole picture. If nothing has moved, it is the command line's own, so that pictures are
-    /// the same to the bit.
+    /// Returns the camera of a whole picture. If nothing has moved, the result is the command line's own camera, so
+    /// that pictures are identical to the bit.
     pub(super) fn camera(&self) -> StereoCamera {
         if self.is_moved() { self.camera_of(self.size()) } else { self.begin.camera }
     }
@@ -131,7 +131,7 @@ impl Settings {
         self.place.camera(self.begin.camera).size(width, height)
     }
 
-    /// Returns the arguments that pictures are written with.
+    /// Returns the arguments for writing pictures.
     pub(super) fn eyes_written(&self) -> EyesArguments {
         EyesArguments { packing: self.mode.packing(), ..self.eyes.clone() }
     }
@@ -139,7 +139,7 @@ impl Settings {
     /// Moves the eyes.
     ///
     /// # Errors
-    /// If the moved camera is invalid. The eyes then stay.
+    /// Fails if the moved camera is invalid. The eyes then do not move.
     pub(super) fn move_eyes(&mut self, by: impl FnOnce(&mut Place)) -> Result<(), String> {
         let mut place = self.place;
         by(&mut place);
@@ -167,7 +167,7 @@ impl Settings {
         self.options.method = all[next];
     }
 
-    /// Selects more samples a pixel, or fewer. They replace adaptive ones.
+    /// Selects more or fewer samples per pixel, and disables adaptive antialiasing.
     pub(super) fn step_samples(&mut self, fewer: bool) {
         let above = SAMPLES.partition_point(|samples| *samples <= self.options.samples);
         let next = if fewer { above.saturating_sub(2) } else { above.min(SAMPLES.len() - 1) };

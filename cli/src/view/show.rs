@@ -13,7 +13,7 @@ const TEXTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Format of pictures that are drawn for files.
 const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// How both views are drawn.
+/// Arrangement in which both views are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Look {
     /// Mixed for anaglyph glasses.
@@ -52,7 +52,7 @@ impl Shown {
             Look::Beside { .. } | Look::One { right: false } => (one(1.0), one(0.0)),
             Look::One { right: true } => (one(0.0), one(1.0)),
         };
-        // The library's matrices are by rows.
+        // The library's matrices are row-major, and the shader's matrices are column-major.
         let columns =
             |rows: [[f32; 3]; 3]| [0, 1, 2].map(|column| [rows[0][column], rows[1][column], rows[2][column], 0.0]);
         let beside = u32::from(matches!(look, Look::Beside { .. }));
@@ -92,7 +92,7 @@ pub(super) struct Show {
 }
 
 impl Show {
-    /// Makes a black picture, to be drawn into a target of this format.
+    /// Creates a black picture and a pipeline for targets of this format.
     pub(super) fn new(device: wgpu::Device, queue: wgpu::Queue, format: wgpu::TextureFormat) -> Self {
         let source = wgpu::ShaderSource::Wgsl(SHADER.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("show"), source });
@@ -133,7 +133,7 @@ impl Show {
         self.queue.submit([commands.finish()]);
     }
 
-    /// Reads back what a window of this size shows.
+    /// Draws the picture of a window of this size and reads it back.
     pub(super) fn picture(&self, look: Look, size: [u32; 2]) -> Result<Picture, stereotrace::Error> {
         self.picture_in(look, size, PICTURE)
     }

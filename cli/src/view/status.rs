@@ -1,4 +1,4 @@
-//! The text over the picture.
+//! Formats the text over the picture.
 
 use stereotrace::{Method, StereoPair};
 

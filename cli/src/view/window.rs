@@ -1,4 +1,4 @@
-//! The window: its events, and the times at which pictures are rendered and drawn.
+//! Handles the window's events, and schedules rendering and drawing.
 
 use std::{
     collections::VecDeque,
@@ -28,7 +28,7 @@ use super::{
     work::{Frame, Said, Wanted, Worker},
 };
 
-/// Time for which wiggle mode shows each eye.
+/// Duration for which wiggle mode shows each eye.
 const WIGGLE: Duration = Duration::from_millis(130);
 /// Interval between steps of a flight.
 const TICK: Duration = Duration::from_millis(16);
@@ -42,12 +42,12 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Number of losses in a row after which another loss of the window's device is an error.
 const MOST_LOSSES: u32 = 3;
 
-/// Input and end of an unattended window.
+/// Input and end condition of an unattended window.
 pub(super) struct Plan {
     pub(super) steps: VecDeque<Step>,
     /// Number of whole pictures after which the window closes.
     pub(super) frames: Option<u32>,
-    /// File for the last of them, as the window shows it.
+    /// File for a screenshot of the window when it closes.
     pub(super) screenshot: Option<PathBuf>,
 }
 
@@ -83,14 +83,14 @@ pub(super) struct App {
     panel: Panel,
     adapter: Option<String>,
     frame: Option<Box<Frame>>,
-    /// Version that is wanted, and version of the last whole picture that was shown.
+    /// Version of the current request, and version of the last whole picture that was shown.
     version: u64,
     shown: u64,
     /// Message that is shown until the next action.
     note: Option<String>,
     text: bool,
     help: bool,
-    /// Whether to write the picture once it is whole.
+    /// Whether to write the picture once the whole picture is ready.
     write: bool,
     /// Wiggle mode: time of the next change, and whether the right eye is shown.
     turn: (Instant, bool),
@@ -172,7 +172,7 @@ impl App {
         Ok(())
     }
 
-    /// Adopts the window's size.
+    /// Applies the window's new size to surface and settings.
     fn resize(&mut self) {
         let Some(screen) = &mut self.screen else { return };
         screen.configure();
@@ -273,7 +273,7 @@ impl App {
         self.plan.frames.is_some()
     }
 
-    /// Moves the eyes and requests a picture. A fault becomes the note.
+    /// Moves the eyes and requests a picture. An error becomes the window's message.
     fn move_eyes(&mut self, by: impl FnOnce(&mut super::control::Place)) {
         self.note = self.settings.move_eyes(by).err();
         self.change();
@@ -350,7 +350,7 @@ impl App {
                 let command = save::quoted(&origin.command(&self.settings, scene, &path));
                 if !quiet {
                     use std::io::Write;
-                    let _ = writeln!(std::io::stdout(), "{command}"); // a closed pipe is no fault
+                    let _ = writeln!(std::io::stdout(), "{command}"); // a closed pipe is not an error
                 }
                 self.note = Some(format!("wrote {}", crate::shown(&path)));
                 self.tally.files.push(path);
@@ -359,7 +359,7 @@ impl App {
         }
     }
 
-    /// Writes what the window shows as PNG.
+    /// Writes a screenshot of the window as PNG.
     fn shot(&mut self, path: &Path) -> Result<(), Box<dyn std::error::Error>> {
         let Some(screen) = &self.screen else { return Ok(()) };
         let begin = Instant::now();
@@ -487,7 +487,7 @@ impl App {
         if state == ElementState::Pressed {
             self.buttons.push(button);
         } else {
-            // Shift may have been released in between, so a release ends every drag.
+            // Shift may have changed during the drag, so releasing any button ends all drags.
             self.buttons.clear();
         }
     }

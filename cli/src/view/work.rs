@@ -1,7 +1,8 @@
-//! The thread that renders. It has its own device, so the window responds however long a frame takes.
+//! Runs the rendering thread. The thread has its own device, so the window responds during long frames.
 //!
-//! During motion it renders drafts: one sample a pixel, few rays to soft lights, and as many pixels as fit [`DRAFT`].
-//! After a rest of [`STILL`] it renders the whole picture, which the next motion cancels.
+//! During motion the thread renders drafts with one sample per pixel, few rays to soft lights, and a size that takes
+//! about [`DRAFT`]. After [`STILL`] without changes, the thread renders the whole picture. The next change cancels this
+//! picture.
 
 use std::{
     ops::ControlFlow,
@@ -29,7 +30,7 @@ const DRAFT_RAYS: u32 = 4;
 /// A requested frame.
 #[derive(Clone, Debug)]
 pub(super) struct Wanted {
-    /// Number of the request, which grows with each change.
+    /// Number of the request, which increases with each change.
     pub(super) version: u64,
     /// Camera of the whole picture.
     pub(super) camera: StereoCamera,
@@ -53,9 +54,9 @@ pub(super) enum Said {
     /// The scene is uploaded to the adapter of this name.
     Ready(String),
     Frame(Box<Frame>),
-    /// This version can't be rendered, for this reason.
+    /// The request with this number can't be rendered, for this reason.
     Failed(u64, String),
-    /// The thread has ended by an error.
+    /// The thread has ended because of this error.
     Ended(String),
 }
 
@@ -78,7 +79,7 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns whether a version is no longer wanted.
+    /// Returns whether rendering of this version should stop.
     fn is_over(&self, version: u64) -> bool {
         let state = self.lock();
         state.quit || state.wanted.as_ref().is_some_and(|wanted| wanted.version != version)
@@ -92,7 +93,7 @@ pub(super) struct Worker {
 }
 
 impl Worker {
-    /// Starts a thread that renders a scene. It begins with this renderer, to which the scene is uploaded.
+    /// Starts a thread that renders a scene. The thread first uses the given renderer, to which the scene is uploaded.
     pub(super) fn new(
         (renderer, uploaded): (Renderer, UploadedScene),
         scene: Scene,
@@ -136,7 +137,7 @@ impl Drop for Worker {
     }
 }
 
-/// Quality of a frame, in rising order.
+/// Quality of a frame, in increasing order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Stage {
     /// No frame yet.
@@ -154,7 +155,7 @@ struct Work {
     global: Global,
     /// Whether the scene has lights that are not points.
     soft: bool,
-    /// Seconds for each pixel of a draft, once one was rendered.
+    /// Seconds per pixel of the last draft, or `None` before the first draft.
     cost: Option<f64>,
 }
 
@@ -225,7 +226,8 @@ impl Work {
         self.divisor(wanted) == 1 && wanted.options == draft_options(&wanted.options, self.soft)
     }
 
-    /// Returns the divisor of a draft's sides, so that it fits [`DRAFT`] by the cost of the last one.
+    /// Returns the divisor of a draft's sides, so that the draft takes at most [`DRAFT`], estimated from the last
+    /// draft's cost.
     fn divisor(&self, wanted: &Wanted) -> u32 {
         let software = self.renderer.gpu().adapter_info().device_type == wgpu::DeviceType::Cpu;
         let Some(cost) = self.cost else { return if software { 4 } else { 1 } };
@@ -261,7 +263,7 @@ impl Work {
         };
         let (version, shared) = (wanted.version, self.shared.clone());
         let mut go_on = |_| {
-            // Motion does not cancel drafts, or none would ever be finished.
+            // Motion does not cancel drafts. Otherwise continuous motion would let no draft finish.
             let over = if stage == Stage::Draft { shared.lock().quit } else { shared.is_over(version) };
             if over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };

@@ -1,8 +1,9 @@
-//! All primitives in one list that every ray traverses from the start: the classical ray tracer, as a baseline.
+//! A list of all primitives, which every ray traverses from the start. It stands for a classical ray tracer, as a
+//! baseline for measurements.
 //!
-//! The list is a tree whose boxes all enclose everything. The kernels that traverse trees also traverse it, with the
-//! same code and primitive tests, only in another order. A leaf holds at most eight primitives, so a ray also visits a
-//! pair of boxes for every eight.
+//! The list is stored as a tree whose boxes all enclose everything. Kernels traverse it with the same code and
+//! primitive tests as any other tree, only in another order. A leaf holds at most eight primitives, so a ray also tests
+//! a pair of boxes for every eight primitives.
 
 use obvhs::{
     aabb::Aabb,
@@ -12,8 +13,8 @@ use obvhs::{
 use super::{BvhBuild, MAX_LEAF};
 use crate::Error;
 
-/// Extent of the boxes from the world's origin to each side: a fifth more than a scene's coordinates. Distances from an
-/// eye to it, times the largest reciprocal of a direction, 1e30, stay finite in f32.
+/// Distance of all box faces from the world's origin, a fifth more than the largest coordinate of a scene. The distance
+/// from an eye to a face, times the largest reciprocal of a direction (1e30), stays finite in f32.
 const REACH: f32 = 1.2e8;
 
 /// Builds a balanced tree over `count` primitives in order, whose boxes all enclose everything.
@@ -39,7 +40,8 @@ pub(super) fn tree(count: usize) -> Result<Bvh2, Error> {
             nodes[place] = node(MAX_LEAF.min(count - first), first);
             continue;
         }
-        // The first half is no larger than the second. So no leaf follows a deeper subtree, and slots are in order.
+        // The first half has no more leaves than the second. So no leaf follows a deeper subtree, and primitives keep
+        // their order.
         let middle = leaves.start.midpoint(leaves.end);
         let children = nodes.len();
         nodes[place] = node(0, children as u32);

@@ -10,16 +10,18 @@ use crate::{
     scene::{Primitive, ToSphere},
 };
 
-/// Lowest and highest bit of `w` in a primitive's second texel. Planes have the lowest bit too
-/// (shaders/shared/primitive.wgsl); the highest one is for cutouts.wgsl. The other bits hold the component.
+/// Flags in `w` of a primitive's second texel. The lowest bit marks spheres, ellipsoids and planes
+/// (shaders/shared/primitive.wgsl). The highest bit marks cut-out triangles (cutouts.wgsl). The other bits hold the
+/// connected component.
 const IS_SPHERE: u32 = 1;
 const IS_CUT_OUT: u32 = 1 << 31;
 
-/// Holes of a cut-out triangle: its material and texture coordinates.
+/// Data that determine the holes of a cut-out triangle: its material, and the bits of its texture coordinates.
 type Holes = Option<(u32, [[u32; 2]; 3])>;
 
-/// Returns the bits that decide a primitive's hits: its kind; its corners, its centre and radius, its centre and axes,
-/// or a plane's point, normal and u axis; and its holes.
+/// Returns the bits that determine a primitive's hits: its kind, its geometry and its holes. The geometry is a
+/// triangle's corners, a sphere's centre and radius, an ellipsoid's centre and axes, or a plane's point, normal and u
+/// axis.
 pub(super) fn geometry(scene: &Scene, id: u32) -> (u8, [[u32; 3]; 4], Holes) {
     match scene.primitive(id) {
         Primitive::Triangle(triangle) => {
@@ -47,7 +49,7 @@ fn texel([x, y, z]: [u32; 3], w: u32) -> Texel {
     [x, y, z, w]
 }
 
-/// Returns the texels per primitive of a scene.
+/// Returns the number of texels per primitive of a scene.
 pub(super) fn texels_of_each(scene: &Scene) -> usize {
     places(scene).count
 }
@@ -57,7 +59,7 @@ fn places(scene: &Scene) -> TexelPlaces {
     TexelPlaces::of(fourth, !scene.uv().is_empty(), !scene.colors().is_empty())
 }
 
-/// Appends a primitive's texels. If the scene has ellipsoids, spheres are packed as such.
+/// Appends a primitive's texels. If the scene has ellipsoids, spheres are packed as ellipsoids.
 pub(super) fn push_primitive(primitives: &mut Vec<Texel>, scene: &Scene, components: &[u32], id: u32) {
     let component = components[id as usize] << 1;
     let has_ellipsoids = !scene.ellipsoids().is_empty();
@@ -128,15 +130,16 @@ pub(crate) fn shortest_edge(corners: [Vec3; 3]) -> usize {
     (0..3).min_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0)
 }
 
-/// Rotates a triangle's corners so that its shortest edge comes first. The product of that edge with another one is the
-/// normal with the least rounding.
+/// Rotates a triangle's corners so that its shortest edge comes first. The cross product of that edge with another edge
+/// is the normal with the least rounding error.
 pub(crate) fn shortest_edge_first(mut corners: [Vec3; 3]) -> [Vec3; 3] {
     let first = shortest_edge(corners);
     corners.rotate_left(first);
     corners
 }
 
-/// Returns a bound on a triangle's longest edge, in the upper half of an f32; the lower half is the material's.
+/// Returns an upper bound of a triangle's longest edge, in the upper 16 bits of an f32. The lower 16 bits are free for
+/// the material.
 pub(crate) fn reach_bits(corners: [Vec3; 3]) -> u32 {
     let longest = longest_edge(corners.map(Vec3::as_dvec3)) as f32;
     longest.next_up().max(f32::MIN_POSITIVE).to_bits().next_multiple_of(1 << 16)

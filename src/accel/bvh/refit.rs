@@ -1,5 +1,5 @@
-//! Refits a tree whose primitives moved: keeps its shape and computes its boxes from the leaves up. (obvhs can refit
-//! its own tree, but keeping that takes eight times the memory of the packed tree's links.)
+//! Refits a tree to primitives that moved. A refit keeps the links and computes the boxes from the leaves up. obvhs
+//! could refit its own tree, but that tree takes eight times the memory of the packed tree's links.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -19,18 +19,18 @@ use crate::{
 /// Data of a packed tree that a refit needs.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeShape {
-    /// Both links of each pair. Pairs follow their ancestors.
+    /// Links of the two sibling nodes of each pair. A pair comes after the pairs of its ancestors.
     links: Arc<Vec<[u32; 2]>>,
     /// Scene id of each primitive, planes first, then in leaf order.
     ids: Arc<Vec<u32>>,
-    /// Left-out primitives, each with the primitive that it was an exact copy of.
+    /// Primitives that the tree leaves out as exact copies, each with the primitive that it copied.
     copies: Arc<Vec<(u32, u32)>>,
     stack_size: u32,
     /// Numbers of triangles, spheres, ellipsoids and planes.
     counts: [usize; 4],
     components: Arc<Vec<u32>>,
     stamps: [Stamp; 2],
-    /// Whether it is a list, which has no shape to keep and is built anew.
+    /// Whether the tree represents a list ([`BvhBuild::Flat`]). A list is built anew instead of refitted.
     flat: bool,
 }
 
@@ -68,13 +68,13 @@ impl TreeShape {
         Self { components: packed.components.clone(), stamps: stamps(scene), ..self.clone() }
     }
 
-    /// Returns whether the last build or refit was with exactly these primitives.
+    /// Returns whether the scene's primitives have not changed since the last build or refit.
     pub(crate) fn is_of(&self, scene: &Scene) -> bool {
         self.stamps == stamps(scene)
     }
 
-    /// Returns the tree of this shape over the current scene. A triangle that became degenerate keeps its slot, which
-    /// then holds a copy of another primitive. Testing that one twice changes no hit.
+    /// Returns the tree with the same links, refitted to the current scene. If a triangle became degenerate, its slot
+    /// gets a copy of another primitive. A ray may test that primitive twice, which changes no hit.
     ///
     /// # Errors
     /// [`Error::Scene`] if the tree lacks a primitive that is traced now, or a list has become too long.
@@ -120,7 +120,7 @@ impl TreeShape {
         })
     }
 
-    /// Returns the boxes of each pair's children, computed from the last pair up to the root's.
+    /// Returns both boxes of each pair of nodes, computed from the last pair to the first.
     fn pair_boxes(&self, boxes: &[Aabb]) -> Vec<[Aabb; 2]> {
         let mut pairs = vec![[Aabb::empty(); 2]; self.links.len()];
         for pair in (0..pairs.len()).rev() {
@@ -137,7 +137,7 @@ impl TreeShape {
         pairs
     }
 
-    /// Checks that everything traced now is in the tree.
+    /// Checks that the tree contains every primitive that is traced now.
     fn check(&self, scene: &Scene, boxes: &[Aabb]) -> Result<(), Error> {
         let fault = |element: String, reason: String| {
             Err(Error::Scene { element, reason: format!("{reason}; use Update::Rebuild") })

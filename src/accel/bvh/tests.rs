@@ -128,7 +128,7 @@ fn normals_survive_packing_within_a_16_bit_step() {
     }
 }
 
-/// Refitted boxes are as tight as new ones, since a refit rounds no more than packing does.
+/// Refitted boxes are as tight as the boxes of a new tree, since a refit rounds no more than packing does.
 #[test]
 fn refitted_boxes_hold_what_moved_and_leaves_that_lost_all_are_points() {
     let mut random = Random::new(5);
@@ -149,8 +149,8 @@ fn refitted_boxes_hold_what_moved_and_leaves_that_lost_all_are_points() {
             let moved = shape.refit(&scene, kind).unwrap();
             assert_eq!(check_boxes(&moved, kind, 3).0, 300);
         }
-        // The corners are rotated, so that these are no exact copies: they are connected with the triangles that they
-        // cover.
+        // The corners are rotated, so that the added triangles are no exact copies. They are connected with the
+        // triangles that they cover.
         let corners: Vec<Vec3> =
             scene.triangles()[..100].iter().flat_map(|t| [1, 2, 0].map(|k| t.corners[k])).collect();
         let triangles = (0..100).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
@@ -174,8 +174,8 @@ fn a_list_has_all_primitives_in_order_in_boxes_that_hold_everything() {
         scene.add_plane(crate::Plane::new(Vec3::ZERO, Vec3::Y, MaterialId(0))).unwrap();
         let packed = build(&scene, BvhBuild::Flat, kind).unwrap();
         assert!(packed.flat && !packed.world_boxes && packed.stack_size <= 16, "{count}");
-        // The plane has the first slot. Links are followed as by a ray that enters both boxes at once: first child
-        // first.
+        // The plane has the first slot. The test follows links like a ray that enters both boxes at once: it visits the
+        // first child first.
         let (mut found, mut pairs, mut pending) = (Vec::new(), 0, vec![0]);
         while let Some(link) = pending.pop() {
             if link & LEAF == 0 {

@@ -24,7 +24,7 @@ use crate::{
 
 /// Reflectance of dielectrics at normal incidence, by the specification.
 const DIELECTRIC: f32 = 0.04;
-/// Largest roughness of a mirror. Its highlights would be points.
+/// Maximum roughness of a material that becomes a mirror, since its highlights would be points.
 const MIRROR_ROUGHNESS: f32 = 0.1;
 
 /// The specification's map from texture coordinates to a picture.

@@ -100,7 +100,7 @@ impl<'a> Meshes<'a> {
     }
 }
 
-/// Transforms a mesh. A mirroring transform also reverses the winding, so that outsides stay outside.
+/// Transforms a mesh. A mirroring transform also reverses the winding, so that outer sides stay outer sides.
 fn placed(mesh: &Mesh, place: DAffine3) -> Mesh {
     let mut mesh = mesh.clone();
     for position in &mut mesh.positions {

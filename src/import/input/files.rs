@@ -1,4 +1,4 @@
-//! Sources of a scene's files: the disk or memory.
+//! Reads a scene's files from the disk or from memory.
 
 use std::{
     borrow::Cow,
@@ -30,7 +30,7 @@ pub(crate) struct SceneFolder {
     real: Option<PathBuf>,
     /// Option that allows files outside, for messages; `None` if they are allowed.
     opened_by: Option<&'static str>,
-    /// Whether a path from another machine has been warned of.
+    /// Whether a warning about a path from another machine was logged.
     is_warned: Cell<bool>,
 }
 

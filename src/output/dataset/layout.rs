@@ -1,4 +1,4 @@
-//! Folder layouts of data sets, compatible with loaders of existing data sets.
+//! Writes folder layouts that loaders of existing data sets can read.
 
 use std::{
     fmt, fs,
@@ -10,13 +10,13 @@ use glam::DVec3;
 
 use crate::{Convergence, Error, EyeTruth, GroundTruth, StereoPair, output::Batch, view::camera::Intrinsics};
 
-/// Folder layout of a data set, after the data set of the same name. Pairs are numbered from 0.
+/// Folder layout of the data set of the same name. Pairs are numbered from 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Layout {
     /// Middlebury 2014 (Scharstein et al. 2014): a folder per pair, `000000/`, with `im0.png`, `im1.png`, `disp0.pfm`,
-    /// `disp1.pfm`, `calib.txt` and the evaluation's `mask0nocc.png`. In addition to Middlebury, it has
-    /// `mask1nocc.png`, `mask0sky.png` and `mask1sky.png`. Sky is unknown: infinite in the disparities, 0 in
+    /// `disp1.pfm`, `calib.txt` and the evaluation's `mask0nocc.png`. The masks `mask1nocc.png`, `mask0sky.png` and
+    /// `mask1sky.png` are additions to Middlebury's layout. Sky is unknown: infinite in the disparities, 0 in
     /// `mask0nocc.png`.
     #[default]
     Middlebury,
@@ -26,13 +26,13 @@ pub enum Layout {
     Kitti,
     /// Scene Flow's Monkaa and Driving (Mayer et al. 2016), with one sequence named `stereotrace`:
     /// `frames_finalpass/stereotrace/left/0000.png`, `right`, the same for `disparity`, `object_index` and
-    /// `material_index` as PFM, and `camera_data/stereotrace/0000.txt`. Concatenate the latter for a `camera_data.txt`.
-    /// As there, id 0 means none. There is no flow and no clean pass.
+    /// `material_index` as PFM, and `camera_data/stereotrace/0000.txt`. Concatenate the camera files to get a
+    /// `camera_data.txt`. As in Scene Flow, id 0 means a miss. There is no flow and no clean pass.
     SceneFlow,
 }
 
 impl Layout {
-    /// Every layout, the default first.
+    /// All layouts, starting with the default.
     pub const ALL: &'static [Self] = &[Self::Middlebury, Self::Kitti, Self::SceneFlow];
 
     /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
@@ -50,7 +50,8 @@ impl Layout {
         self != Self::Middlebury
     }
 
-    /// Returns the disparity limit of the layout's files in pixels: they can't hold disparities of this size or larger.
+    /// Returns the disparity limit of the layout's files in pixels: files can't hold disparities of this size or
+    /// larger.
     pub fn disparity_limit(self) -> f32 {
         if self == Self::Kitti { 256.0 } else { f32::INFINITY }
     }
@@ -58,9 +59,9 @@ impl Layout {
     /// Adds all files of a pair to a batch, and creates their folders.
     ///
     /// # Errors
-    /// [`Error::Options`] for cameras that are not parallel where they must be, for toed-in eyes, and in Middlebury's
-    /// layout for a negative disparity. [`Error::Io`] as [`Batch::add`], as [`Batch::add_kitti_disparity`] for a
-    /// disparity that does not fit, and in Scene Flow's layout for an id over `2^24 - 1`.
+    /// [`Error::Options`] for cameras that are not parallel in a layout that requires it, for toed-in eyes, and in
+    /// Middlebury's layout for a negative disparity. [`Error::Io`] as [`Batch::add`], as [`Batch::add_kitti_disparity`]
+    /// for a disparity that does not fit, and in Scene Flow's layout for an id over `2^24 - 1`.
     pub fn add(
         self,
         batch: &mut Batch,
@@ -167,8 +168,8 @@ fn kitti(batch: &mut Batch, root: &Root<'_>, index: u32, pair: &StereoPair, trut
     batch.add(root.file(&format!("training/calib_cam_to_cam/{index:06}.txt"))?, calibration.as_bytes())
 }
 
-/// KITTI's camera 2 is the left one, at the origin of the rectified frame, and camera 3 the right one. Principal points
-/// are relative to the centre of the top left pixel.
+/// Returns KITTI's calibration text. Camera 2 is the left one, at the origin of the rectified frame, and camera 3 is
+/// the right one. Principal points are relative to the centre of the top left pixel.
 fn kitti_calibration(truth: &GroundTruth) -> String {
     let pose = &truth.pose;
     let [width, height] = pose.size;
@@ -176,8 +177,8 @@ fn kitti_calibration(truth: &GroundTruth) -> String {
     let cy = cy - 0.5;
     let mut text = String::new();
     let rounding = pose.baseline_rounding();
-    // Vector from the eye to the left one: right, down, forward. Apart from rounding, the right eye is on the left
-    // one's x axis.
+    // Vector from the right eye to the left eye: right, down, forward. Apart from rounding, the right eye is on the
+    // left eye's x axis.
     let to_left = DVec3::new(-pose.baseline(), rounding.y, -rounding.z) + DVec3::ZERO; // avoids -0
     for (name, cx, shift) in [("02", cx0 - 0.5, DVec3::ZERO), ("03", cx1 - 0.5, to_left)] {
         let DVec3 { x, y, z } = shift;

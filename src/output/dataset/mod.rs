@@ -1,7 +1,7 @@
-//! Data sets of stereo pairs with ground truth: camera poses and folder layouts.
+//! Makes data sets of stereo pairs with ground truth: camera poses and folder layouts.
 //!
-//! Item `i` of a data set depends only on the scene, the camera, the seed and `i`. So any item can be made again,
-//! anywhere and in any order.
+//! Item `i` of a data set depends only on the scene, the camera, the seed and `i`. So any item can be rendered again,
+//! on any machine and in any order.
 
 mod layout;
 mod poses;

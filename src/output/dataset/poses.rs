@@ -1,4 +1,4 @@
-//! Random cameras in the free space of a scene.
+//! Finds random cameras in the free space of a scene.
 
 use std::{collections::HashMap, f32::consts::TAU};
 
@@ -15,21 +15,22 @@ use crate::{
 const TRIES: u32 = 2000;
 /// Number of directions in which distances to surfaces are measured.
 const DIRECTIONS: usize = 128;
-/// Rays per eye, across and down, that sample its picture.
+/// Numbers of rays per eye, across and down, that sample the eye's picture.
 const GRID: [u32; 2] = [24, 16];
 /// Maximum angle up or down of a camera within the scene, in radians.
 const STEEPEST: f32 = 0.4;
-/// A place is inside an object if more than this share of its surroundings shows the other side.
+/// A point counts as inside an object if more than this share of directions from the point hits other sides.
 const OTHER_SIDES: f32 = 0.25;
 
-/// Random cameras in the free space of a scene, derived from a given one. A given camera within the scene's bounding
-/// box yields cameras anywhere in that box, in any direction, at most 23 degrees up or down. One outside the box yields
-/// cameras at the same distance from the box's centre that look at the scene.
+/// Finds random cameras in the free space of a scene, derived from a given camera. A given camera within the scene's
+/// bounding box yields cameras anywhere in that box, in any direction, at most 23 degrees up or down. A given camera
+/// outside the box yields cameras at the same distance from the box's centre that look at the scene.
 ///
 /// A camera is rejected if
 ///
 /// - it is too near to a surface,
-/// - over a quarter of its surroundings shows its other side, so that it is inside an object or behind a wall,
+/// - over a quarter of the directions from it hit the other side of an object, so it is inside an object or behind a
+///   wall,
 /// - a surface lies between the eyes,
 /// - disparities are too large,
 /// - the picture shows too few surfaces.
@@ -46,7 +47,7 @@ pub struct FreePoses<'a> {
     surfaces: f32,
 }
 
-/// A camera that was found.
+/// Accepted random camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RandomPose {
@@ -56,7 +57,7 @@ pub struct RandomPose {
     pub tries: u32,
 }
 
-/// Rejected candidates by reason.
+/// Number of rejected candidates by reason.
 #[derive(Default)]
 struct Rejected {
     near: u32,
@@ -67,10 +68,10 @@ struct Rejected {
 }
 
 impl<'a> FreePoses<'a> {
-    /// Creates random cameras derived from this one, with a seed.
+    /// Creates a generator of random cameras derived from `camera`, with a seed.
     ///
     /// # Errors
-    /// [`Error::Camera`] for an invalid camera, [`Error::Scene`] for an empty scene, or one with infinite planes only.
+    /// [`Error::Camera`] for an invalid camera, [`Error::Scene`] for a scene that is empty or has infinite planes only.
     pub fn new(scene: &'a Scene, camera: StereoCamera, seed: u32) -> Result<Self, Error> {
         let pose = camera.pose()?;
         if scene.bounds().is_none() {
@@ -95,7 +96,7 @@ impl<'a> FreePoses<'a> {
     }
 
     /// Sets the minimum share of the left picture that shows surfaces, 0 to 1. The default is 0.5 within a scene, and
-    /// 0.1 outside.
+    /// 0.1 outside it.
     pub fn surfaces(mut self, share: f32) -> Self {
         self.surfaces = share;
         self
@@ -132,7 +133,7 @@ impl<'a> FreePoses<'a> {
         Err(Error::Options { option: "poses", reason })
     }
 
-    /// Returns a random camera, unchecked.
+    /// Returns a random camera without checking it.
     fn candidate(&self, given: &Pose, random: &mut Random) -> StereoCamera {
         let (low, high) = self.scene.local_bounds().unwrap_or_default();
         let to_world = |place: Vec3| self.scene.origin() + place.as_dvec3();
@@ -148,19 +149,19 @@ impl<'a> FreePoses<'a> {
             return self.camera.eye(to_world(eye)).target(to_world(eye + ahead));
         }
         let middle = low.midpoint(high);
-        // A point of the box's inner half.
+        // The target is a random point in the inner half of the box.
         let target = within(low.midpoint(middle), high.midpoint(middle));
         let eye = middle + yaw * (self.scene.local(given.eye) - middle);
         self.camera.eye(to_world(eye)).target(to_world(target))
     }
 
-    /// Traces rays in all directions from a place.
+    /// Traces rays in all directions from a point.
     async fn around(&self, renderer: &Renderer, uploaded: &UploadedScene, place: DVec3) -> Result<Vec<RayHit>, Error> {
         let rays: Vec<Ray> = (0..DIRECTIONS).map(|index| Ray::new(place, direction(index))).collect();
         Ok(renderer.closest_hits(uploaded, &rays).await?.hits)
     }
 
-    /// Returns, for each object visible from a place, whether more back faces than front faces are seen.
+    /// Returns, for each object visible from a point, whether rays hit more back faces than front faces.
     fn sides(&self, place: DVec3, around: &[RayHit]) -> HashMap<u32, bool> {
         let mut balance = HashMap::<u32, i32>::new();
         for (object, behind) in self.faces(place, around) {
@@ -175,7 +176,7 @@ impl<'a> FreePoses<'a> {
         self.faces(place, around).filter(is_other).count() as f32 / DIRECTIONS as f32
     }
 
-    /// Returns, for each hit around a place, its object and whether its back face was hit.
+    /// Returns, for each hit around a point, the object and whether its back face was hit.
     fn faces(&self, place: DVec3, around: &[RayHit]) -> impl Iterator<Item = (u32, bool)> {
         let place = self.scene.local(place);
         around.iter().enumerate().filter(|(_, hit)| hit.t.is_finite()).map(move |(index, hit)| {
@@ -238,7 +239,7 @@ fn is_inside(scene: &Scene, place: DVec3) -> bool {
     scene.bounds().is_some_and(|(low, high)| place.cmpge(low).all() && place.cmple(high).all())
 }
 
-/// Returns directions of a spiral around a sphere, evenly spread.
+/// Returns a direction of an evenly spread spiral on the unit sphere.
 fn direction(index: usize) -> Vec3 {
     const GOLDEN_ANGLE: f32 = 2.399_963_2;
     let z = 1.0 - (2 * index + 1) as f32 / DIRECTIONS as f32;

@@ -1,4 +1,5 @@
-//! The directions of a shadow-buffer's texels. `src/testing/cpu/shadow_buffer.rs` compares them with the paper's.
+//! The directions of a shadow-buffer's texels. `src/testing/cpu/shadow_buffer.rs` compares them with the paper's
+//! formulas.
 
 use std::f64::consts::PI;
 
@@ -6,7 +7,7 @@ use glam::{DVec3, Vec3};
 
 /// Texels kept on each side around a scene's directions.
 const BORDER: f64 = 2.0;
-/// With fewer rows than this, fitting is not worthwhile.
+/// Minimum number of rows for a table that is fitted to the scene. A smaller table covers all directions.
 const LEAST_ROWS: u32 = 16;
 /// A scene that extends farther than this angle from its middle, in radians, has a table of all directions.
 const WIDEST: f64 = 80.0 * PI / 180.0;
@@ -35,8 +36,9 @@ impl Mapping {
         Self { axes: [Vec3::X, Vec3::Y, Vec3::Z], theta: [0.0, step], phi: [0.0, step], rows, columns: 2 * rows }
     }
 
-    /// Makes a table of the directions to a box that the light is outside of, by at most `rows` rows and twice as many
-    /// columns. It is finer than [`Mapping::whole`], which is returned if the box surrounds the light, or nearly.
+    /// Makes a table of the directions from the light to a box outside of which it stands. The table has at most `rows`
+    /// rows and twice as many columns. It is finer than [`Mapping::whole`], which is returned if the box surrounds the
+    /// light, or nearly.
     pub fn around(light: Vec3, (low, high): (Vec3, Vec3), rows: u32) -> Self {
         let whole = Self::whole(rows);
         if rows < LEAST_ROWS {
@@ -73,7 +75,7 @@ impl Mapping {
             return None;
         }
         let texels = |count: u32| f64::from(count) - 2.0 * BORDER;
-        // No smaller than f32 can resolve.
+        // A step below 1e-6 radians is too small for f32.
         let step = (2.0 * theta / texels(rows)).max(2.0 * phi / texels(2 * rows)).max(1e-6) as f32;
         let count = |half: f64, most: u32| ((2.0 * half / f64::from(step) + 2.0 * BORDER).ceil() as u32).min(most);
         let (rows, columns) = (count(theta, rows), count(phi, 2 * rows));

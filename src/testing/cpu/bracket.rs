@@ -89,8 +89,8 @@ struct Bits {
 /// `Eye::Right`.
 pub type Source<'a> = (&'a Frame, &'a [(f32, u32)]);
 
-/// Returns how the visibility bits of each right pixel are known: from its source, or from the second source, if there
-/// are two. `right` has the hits of the target's own rays.
+/// Returns how each right pixel gets its visibility bits: by reuse, or by a shadow ray. They can be reused from its
+/// source view, or from the second source view, if there are two. `right` has the hits of the target view's own rays.
 pub fn shadow_sources(
     scene: &Scene,
     sources: &[Source<'_>],
@@ -121,8 +121,8 @@ pub fn shadow_sources(
     right.iter().enumerate().map(source).collect()
 }
 
-/// Returns components as in packed primitives: cut-out triangles belong to another component than whole triangles that
-/// they are connected to.
+/// Returns the connected component of each primitive, as in packed primitives. Cut-out and solid triangles that share
+/// corners get different components.
 fn marked_components(scene: &Scene) -> Vec<u32> {
     let mut components = components::of(scene);
     for (id, component) in components.iter_mut().enumerate() {
@@ -132,8 +132,8 @@ fn marked_components(scene: &Scene) -> Vec<u32> {
     components
 }
 
-/// Returns the busy lights of each tile, of which no bit is reused: their shadows are too narrow for the samples that
-/// land near it.
+/// Returns, for each tile, the lights whose visibility bits are not reused. Their shadows are too narrow for the
+/// samples that land near the tile.
 fn busy_lights(components: &[u32], (frame, left): Source<'_>, bits: &[Bits]) -> Vec<u32> {
     let [width, height] = frame.size();
     let tile = TILE as usize;
@@ -173,7 +173,8 @@ fn busy_lights(components: &[u32], (frame, left): Source<'_>, bits: &[Bits]) -> 
     busy
 }
 
-/// Returns the lights whose bits are known from a source's samples around the point that a right pixel shows.
+/// Returns the lights whose visibility bits can be reused. The source samples around the point that a right pixel shows
+/// must agree on them.
 fn agreed_bits(
     scene: &Scene,
     components: &[u32],

@@ -47,7 +47,7 @@ fn inside_edges(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> (f32, f32)
 }
 
 /// Returns the ray's t at a triangle of a scene, if it has a surface there (shaders/shared/cutouts.wgsl). A cut-out
-/// triangle always takes the second look.
+/// triangle is always tested a second time, with the projected corners.
 fn intersect_in_scene(scene: &Scene, id: usize, origin: Vec3, direction: Vec3) -> Option<f32> {
     let triangle = &scene.triangles()[id];
     if triangle.is_degenerate() {
@@ -106,7 +106,8 @@ pub fn intersect_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32
     meet(center - origin, direction, radius, t_min)
 }
 
-/// Returns the same for an ellipsoid (shaders/shared/ellipsoid.wgsl).
+/// Returns the nearest t at an ellipsoid that is at least `t_min`, or `None` for a miss
+/// (shaders/shared/ellipsoid.wgsl).
 pub fn intersect_ellipsoid(origin: Vec3, direction: Vec3, ellipsoid: &Ellipsoid, t_min: f32) -> Option<f32> {
     let (center, map) = (ellipsoid.center, ellipsoid.to_sphere());
     if is_close_ellipsoid(origin, center, &map) {

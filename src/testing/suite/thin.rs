@@ -21,7 +21,7 @@ use crate::{
 /// Builds ribbons, tapering slivers and chains of spheres in front of the stage's brick wall.
 pub(super) fn wires() -> Scene {
     const WIRES: usize = 90;
-    /// In pixels of 600.
+    /// Smallest and largest width of a wire, in pixels of a picture 600 pixels wide.
     const WIDTHS: [f32; 2] = [0.2, 0.9];
     const DISTANCES: [f32; 2] = [4.2, 10.0];
     let mut scene = stage();
@@ -34,7 +34,7 @@ pub(super) fn wires() -> Scene {
         let color = colors[wire / 3 % colors.len()];
         // The picture is as wide as the distance of the plane.
         let middle = Vec3::new(random.between(-0.48, 0.48), random.between(-0.2, 0.3), -1.0) * distance;
-        // Half of them are upright, half slanted.
+        // Half of the wires are upright, and half are slanted.
         let lean = if wire % 2 == 0 { 0.0 } else { random.between(-0.9, 0.9) };
         let along = Vec3::new(lean.sin(), lean.cos(), random.between(-0.2, 0.2));
         let half = along * random.between(0.1, 0.3) * distance;
@@ -67,7 +67,7 @@ pub(super) fn hair() -> Scene {
     const SEGMENTS: usize = 5;
     const RADIUS: f32 = 1.05;
     const CENTER: Vec3 = Vec3::new(0.0, 0.1, -5.2);
-    /// In pixels of 600, at the sphere's distance.
+    /// Smallest and largest width of a strand at the sphere's distance, in pixels of a picture 600 pixels wide.
     const WIDTHS: [f32; 2] = [0.1, 0.5];
     const GOLDEN_ANGLE: f32 = 2.399_963_2;
     let mut scene = stage();

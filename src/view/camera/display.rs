@@ -5,7 +5,7 @@ use std::fmt;
 use super::{Aperture, Screen, StereoCamera};
 use crate::Error;
 
-/// Largest parallax behind and in front of the display, as shares of its width: television's percentage rule.
+/// Largest parallax behind and in front of the display, as shares of its width, by television's percentage rule.
 const PERCENT_BEHIND: f64 = 0.02;
 const PERCENT_BEFORE: f64 = 0.01;
 /// Smallest common distance between human eyes, in metres. More parallax behind the display makes eyes diverge.

@@ -5,11 +5,12 @@ use glam::DVec3;
 use super::StereoCamera;
 use crate::view::camera::{MAX_COORDINATE, MIN_EXTENT};
 
-/// Largest tangent of half the horizontal field of view in a fitting camera.
+/// Largest tangent of half the horizontal field of view, in a camera fitted to an object.
 const WIDEST_FIT: f64 = 3.0;
-/// Largest offset of an eye from the midpoint in a fitting camera, in screen distances.
+/// Largest offset of an eye from the midpoint, as a share of the screen distance, in a camera fitted to an object.
 const EYES_ASIDE: f64 = 1.0 / 60.0;
-/// Largest coordinate of the midpoint between a fitting camera's eyes. It keeps the eyes within `MAX_EYE_COORDINATE`.
+/// Largest coordinate of the midpoint between the eyes, in a camera fitted to an object. It keeps the eyes within
+/// `MAX_EYE_COORDINATE`.
 const FARTHEST_FIT: f64 = 1.95e8;
 
 impl StereoCamera {

@@ -54,8 +54,8 @@ impl CameraPath {
                 return fault(frame.to_string(), "frames of a path must ascend from 0 or more to at most 2^24");
             }
             if last.is_some_and(|(_, before)| !alike(before, camera)) {
-                let reason = "the cameras of a path must have the same size and convergence, and specify view and \
-                              interaxial in the same way";
+                let reason = "the cameras of a path must have the same picture size and convergence, and give field of \
+                              view and interaxial by the same options";
                 return fault(frame.to_string(), reason);
             }
             last = Some((*frame, camera));

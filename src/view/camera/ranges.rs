@@ -92,7 +92,7 @@ pub(super) fn check_pixel_angles(camera: &StereoCamera, pose: &Pose) -> Result<(
         };
         let reason = "pixels must span at least 3.8e-6 radians (2^-18) in the picture's corners: use fewer pixels, a \
                       less extreme field of view, or a principal point nearer to the picture";
-        return fault(field, format!("{value}, and pixels of {w}x{h} span {angle:.1e} radians"), reason);
+        return fault(field, format!("{value}, so a pixel of the {w}x{h} picture spans {angle:.1e} radians"), reason);
     }
     let angle = least_pixel_angle(pose, 0.5);
     if too_small(angle) {

@@ -1,4 +1,4 @@
-//! MTL statements, and their conversion to materials.
+//! Reads MTL statements and converts them to materials.
 
 use std::ops::RangeInclusive;
 

@@ -1,4 +1,4 @@
-//! Statements that name texture files.
+//! Parses statements that name texture files.
 
 use glam::{Vec2, Vec3};
 
@@ -29,7 +29,7 @@ impl Default for Placement {
 }
 
 impl Placement {
-    /// Returns the place of a surface point in the texture.
+    /// Returns the texture coordinates of a surface point in the picture.
     pub(in crate::import::obj) fn place(&self, uv: Vec2) -> Vec2 {
         uv * self.scale + self.offset
     }
