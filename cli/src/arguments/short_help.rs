@@ -140,7 +140,7 @@ mod tests {
         let mut page = Vec::new();
         crate::manual(&mut page).unwrap();
         let page = String::from_utf8(page).unwrap();
-        for text in ["Filter that weights the samples", "Graphics adapter", "Exposure in stops"] {
+        for text in ["filter that weights the samples", "Graphics adapter", "Exposure in stops"] {
             assert!(page.contains(text), "{text}");
         }
     }
