@@ -35,7 +35,7 @@ pub struct FrameBuilder<'a, C> {
     scene: &'a UploadedScene,
     cameras: &'a C,
     options: Options,
-    progress: Option<&'a mut OnProgress<'a>>,
+    progress: Box<OnProgress<'a>>,
 }
 
 impl<C: std::fmt::Debug> std::fmt::Debug for FrameBuilder<'_, C> {
@@ -58,12 +58,12 @@ impl Renderer {
         scene: &'a UploadedScene,
         camera: &'a StereoCamera,
     ) -> FrameBuilder<'a, StereoCamera> {
-        FrameBuilder { renderer: self, scene, cameras: camera, options: Options::default(), progress: None }
+        FrameBuilder { renderer: self, scene, cameras: camera, options: Options::default(), progress: Box::new(go_on) }
     }
 
     /// Asks for the views of a rig.
     pub fn views<'a>(&'a mut self, scene: &'a UploadedScene, rig: &'a Rig) -> FrameBuilder<'a, Rig> {
-        FrameBuilder { renderer: self, scene, cameras: rig, options: Options::default(), progress: None }
+        FrameBuilder { renderer: self, scene, cameras: rig, options: Options::default(), progress: Box::new(go_on) }
     }
 }
 
@@ -77,7 +77,7 @@ impl<'a, C> FrameBuilder<'a, C> {
     /// Sets a callback for the progress. It is called after every band of rows and may stop the frame. Frames that are
     /// encoded do not call it.
     pub fn progress(mut self, progress: &'a mut OnProgress<'a>) -> Self {
-        self.progress = Some(progress);
+        self.progress = Box::new(progress);
         self
     }
 }
@@ -107,11 +107,9 @@ impl<C: Clone + Into<Rig>> FrameBuilder<'_, C> {
     /// # Errors
     /// As [`FrameBuilder::read`], [`Error::Rig`] for toed-in eyes, and any error of `on_rows`, which ends the frame.
     pub async fn rows(self, on_rows: &mut OnRows<'_>) -> Result<Views, Error> {
-        let Self { renderer, scene, cameras, options, progress } = self;
-        let mut go_on = |_| ControlFlow::Continue(());
-        let progress = progress.map_or(&mut go_on as &mut OnProgress<'_>, |progress| progress);
+        let Self { renderer, scene, cameras, options, mut progress } = self;
         let eyes = cameras.clone().into().eyes(scene.origin)?;
-        let done = renderer.sampled(scene, &eyes, &options, true, progress, on_rows).await?;
+        let done = renderer.sampled(scene, &eyes, &options, true, &mut *progress, on_rows).await?;
         let nothing = (0..eyes.sources.len()).map(|_| ViewRows::new(eyes.pose.size[0])).collect();
         Ok(Views::of(done, nothing))
     }
@@ -161,11 +159,9 @@ impl FrameBuilder<'_, Rig> {
     /// [`Error::Cancelled`] if the progress callback breaks, [`Error::ForeignScene`] for a scene on another
     /// [`Gpu`](crate::Gpu), [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn read(self) -> Result<Views, Error> {
-        let Self { renderer, scene, cameras, options, progress } = self;
-        let mut go_on = |_| ControlFlow::Continue(());
-        let progress = progress.map_or(&mut go_on as &mut OnProgress<'_>, |progress| progress);
+        let Self { renderer, scene, cameras, options, mut progress } = self;
         let eyes = cameras.eyes(scene.origin)?;
-        let (done, views) = renderer.whole_frame(scene, &eyes, &options, progress).await?;
+        let (done, views) = renderer.whole_frame(scene, &eyes, &options, &mut *progress).await?;
         Ok(Views::of(done, views))
     }
 }
@@ -176,17 +172,15 @@ impl FrameBuilder<'_, StereoCamera> {
     /// # Errors
     /// As [`FrameBuilder::<Rig>::read`], without [`Error::Rig`].
     pub async fn read(self) -> Result<StereoPair, Error> {
-        let Self { renderer, scene, cameras: camera, options, progress } = self;
-        let mut go_on = |_| ControlFlow::Continue(());
-        let progress = progress.map_or(&mut go_on as &mut OnProgress<'_>, |progress| progress);
+        let Self { renderer, scene, cameras: camera, options, mut progress } = self;
         let pose = camera.pose_in(scene.origin)?;
         let Some([first, second]) = renderer.toed_in(&pose, &options) else {
-            let (done, views) = renderer.whole_frame(scene, &Eyes::pair(&pose), &options, progress).await?;
+            let (done, views) = renderer.whole_frame(scene, &Eyes::pair(&pose), &options, &mut *progress).await?;
             return Ok(StereoPair::of(done, views));
         };
         let options = Options { method: Method::Naive, ..options };
-        let left = renderer.whole_frame(scene, &first, &options, &mut half_of(progress, 0.0)).await?;
-        let right = renderer.whole_frame(scene, &second, &options, &mut half_of(progress, 0.5)).await?;
+        let left = renderer.whole_frame(scene, &first, &options, &mut half_of(&mut *progress, 0.0)).await?;
+        let right = renderer.whole_frame(scene, &second, &options, &mut half_of(&mut *progress, 0.5)).await?;
         Ok(StereoPair::of_two(pose, left, right))
     }
 
@@ -195,18 +189,18 @@ impl FrameBuilder<'_, StereoCamera> {
     /// # Errors
     /// As [`FrameBuilder::read`].
     pub async fn trace(self) -> Result<Statistics, Error> {
-        let Self { renderer, scene, cameras: camera, options, progress } = self;
-        let mut go_on = |_| ControlFlow::Continue(());
-        let progress = progress.map_or(&mut go_on as &mut OnProgress<'_>, |progress| progress);
+        let Self { renderer, scene, cameras: camera, options, mut progress } = self;
         let pose = camera.pose_in(scene.origin)?;
         let Some([first, second]) = renderer.toed_in(&pose, &options) else {
-            let done = renderer.sampled(scene, &Eyes::pair(&pose), &options, false, progress, &mut |_| Ok(())).await?;
+            let done =
+                renderer.sampled(scene, &Eyes::pair(&pose), &options, false, &mut *progress, &mut |_| Ok(())).await?;
             return Ok(done.pair_statistics());
         };
         let options = Options { method: Method::Naive, ..options };
-        let left =
-            renderer.sampled(scene, &first, &options, false, &mut half_of(progress, 0.0), &mut |_| Ok(())).await?;
-        let mut half = half_of(progress, 0.5);
+        let left = renderer
+            .sampled(scene, &first, &options, false, &mut half_of(&mut *progress, 0.0), &mut |_| Ok(()))
+            .await?;
+        let mut half = half_of(&mut *progress, 0.5);
         let right = renderer.sampled(scene, &second, &options, false, &mut half, &mut |_| Ok(())).await?;
         Ok(left.beside(right).pair_statistics())
     }
@@ -229,6 +223,11 @@ impl Renderer {
         let done = self.sampled(scene, eyes, options, true, progress, &mut keep).await?;
         Ok((done, views))
     }
+}
+
+/// Does not stop a frame.
+fn go_on(_: Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
 }
 
 /// Maps the progress of half a frame, from `begin`, to the whole frame.

@@ -48,15 +48,21 @@ impl Scene {
         if hit.primitive == MISS || hit.primitive as usize >= self.primitive_count() {
             return None;
         }
-        let along = (ray.origin - self.origin(), ray.direction.as_dvec3());
-        Some(at(self, hit.primitive, along, f64::from(hit.t)))
+        let (origin, direction) = (ray.origin - self.origin(), ray.direction.as_dvec3());
+        let barycentric = match self.primitive(hit.primitive) {
+            Primitive::Triangle(triangle) => Some(weights(triangle, origin, direction).map(|weight| weight as f32)),
+            _ => None,
+        };
+        let found = at(self, hit.primitive, (origin, direction), f64::from(hit.t));
+        Some(Surface { barycentric, object: self.object_of(hit.primitive), ..found })
     }
 }
 
 /// Returns the surface of a primitive that a ray hits near `t`. The ray is an origin relative to the scene's and a
-/// direction. It is the f64 counterpart of `surface_of` in shaders/shared.
+/// direction. It is the f64 counterpart of `surface_of` in shaders/shared. [`Scene::surface`] adds the object and the
+/// barycentric coordinates, which pictures do not need.
 pub(super) fn at(scene: &Scene, primitive: u32, (origin, direction): (DVec3, DVec3), t: f64) -> Surface {
-    let found = match scene.primitive(primitive) {
+    match scene.primitive(primitive) {
         Primitive::Triangle(triangle) => of_triangle(triangle, origin, direction),
         Primitive::Plane(plane) => flat(plane.unit_normal().as_dvec3(), direction, plane.material),
         Primitive::Sphere(sphere) => {
@@ -67,8 +73,7 @@ pub(super) fn at(scene: &Scene, primitive: u32, (origin, direction): (DVec3, DVe
             let outward = outward(&ellipsoid.to_sphere(), origin - ellipsoid.center.as_dvec3(), direction, t);
             flat(outward, direction, ellipsoid.material)
         }
-    };
-    Surface { object: scene.object_of(primitive), ..found }
+    }
 }
 
 /// Returns a surface lit by its geometric normal, which may have any length but 0.
@@ -82,24 +87,27 @@ fn towards_viewer(normal: DVec3, direction: DVec3) -> DVec3 {
     if unit.dot(direction) > 0.0 { -unit } else { unit }
 }
 
-fn of_triangle(triangle: &Triangle, origin: DVec3, direction: DVec3) -> Surface {
+/// Returns the barycentric coordinates at which a ray meets a triangle's plane, at least 0, of sum 1.
+fn weights(triangle: &Triangle, origin: DVec3, direction: DVec3) -> [f64; 3] {
     let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - origin);
-    let normal = (b - a).cross(c - a);
-    // A corner's barycentric weight is the volume that the ray spans with the opposite edge. Rounding may leave the
-    // point slightly outside.
+    // A corner's weight is the volume that the ray spans with the opposite edge. Rounding may leave the point slightly
+    // outside.
     let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|edge| edge.dot(direction));
     let sign = volumes.iter().sum::<f64>().signum();
     let shares = volumes.map(|volume| (sign * volume).max(0.0));
     let sum: f64 = shares.iter().sum();
     // A ray in the triangle's plane has no weights of its own.
-    let weights = if sum > 0.0 { shares.map(|share| share / sum) } else { [1.0 / 3.0; 3] };
-    let flat = Surface {
-        barycentric: Some(weights.map(|weight| weight as f32)),
-        ..flat(normal, direction, triangle.material)
-    };
+    if sum > 0.0 { shares.map(|share| share / sum) } else { [1.0 / 3.0; 3] }
+}
+
+fn of_triangle(triangle: &Triangle, origin: DVec3, direction: DVec3) -> Surface {
+    let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - origin);
+    let normal = (b - a).cross(c - a);
+    let flat = flat(normal, direction, triangle.material);
     if !triangle.is_smooth() {
         return flat;
     }
+    let weights = weights(triangle, origin, direction);
     let normals = triangle.normals.map(|normal| normal.as_dvec3().normalize_or_zero());
     let blend = normals.iter().zip(weights).map(|(normal, weight)| *normal * weight).sum::<DVec3>();
     // As in the kernels, the geometric normal is used if the normals cancel each other or the blend is NaN, as with
