@@ -10,12 +10,12 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    Builtin, Convergence, GBuffer, Method, Options, Renderer, Scene, SceneFile, StereoCamera, UploadedScene,
-    blocking::Wait,
+    Builtin, Convergence, GBuffer, Method, Options, Renderer, Scene, SceneFile, StereoCamera, StereoPair,
+    UploadedScene, blocking::Wait,
 };
 
 use super::{CameraArguments, Global, LightArguments, PictureArguments, ReadingArguments};
-use crate::{shown, studio};
+use crate::{progress::Progress, shown, studio};
 
 /// Number of lights placed in a scene without lights, if the automatic look is off.
 const DEFAULT_LIGHTS: usize = 5;
@@ -57,6 +57,19 @@ pub(crate) struct Stage {
     pub(crate) read: Duration,
     /// Time to build the BVH and to upload it.
     pub(crate) build: Duration,
+}
+
+impl Stage {
+    /// Renders a pair of the scene and shows the progress.
+    pub(crate) fn render(
+        &mut self,
+        camera: StereoCamera,
+        options: Options,
+        progress: &mut Progress,
+    ) -> Result<StereoPair, stereotrace::Error> {
+        let mut show = |now| progress.show(now);
+        self.renderer.pair(&self.uploaded, &camera).options(&options).progress(&mut show).read().wait()
+    }
 }
 
 /// Width in pixels of the preview picture that [`depths`] measures.

@@ -69,13 +69,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut rows = Vec::new();
     for &method in &methods {
         let options = stage.options.clone().method(method).count(true);
-        let pair = stage
-            .renderer
-            .pair(&stage.uploaded, &stage.camera)
-            .options(&options)
-            .progress(&mut |now| progress.show(now))
-            .read()
-            .wait()?;
+        let pair = stage.render(stage.camera, options, &mut progress)?;
         progress.next();
         let difference = compare(&pair.right, &naive.as_ref().unwrap_or(&pair).right, &pair.pose)?;
         let (cost, retraced) = (pair.statistics.second_eye(), pair.statistics.retraced_share());

@@ -160,13 +160,7 @@ fn make(
             (camera, Some(tries))
         }
     };
-    let pair = stage
-        .renderer
-        .pair(&stage.uploaded, &camera)
-        .options(&stage.options)
-        .progress(&mut |now| progress.show(now))
-        .read()
-        .wait()?;
+    let pair = stage.render(camera, stage.options.clone(), progress)?;
     let truth = stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair).wait()?;
     let mut batch = Batch::new();
     arguments.layout.add(&mut batch, folder, item, &pair, &truth)?;

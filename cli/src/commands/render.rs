@@ -97,13 +97,7 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
     let is_open_exr = matches!(target, Target::File(file) if is_open_exr(file));
     let options = stage.options.clone().cost_map(arguments.dump).linear(is_open_exr);
     let mut progress = Progress::new(global, 1);
-    let pair = stage
-        .renderer
-        .pair(&stage.uploaded, &stage.camera)
-        .options(&options)
-        .progress(&mut |now| progress.show(now))
-        .read()
-        .wait();
+    let pair = stage.render(stage.camera, options, &mut progress);
     progress.clear();
     let pair = pair?;
     let wall = WallTimes { read: stage.read, build: stage.build, render: begin.elapsed() };

@@ -12,7 +12,7 @@ use std::{
 
 use clap::Args;
 use serde_json::{Value, json};
-use stereotrace::{StereoPair, blocking::Wait, message::counted, output::Batch, output::write_whole};
+use stereotrace::{StereoPair, message::counted, output::Batch, output::write_whole};
 
 use super::motion::{Motion, MotionArguments};
 use crate::{
@@ -81,13 +81,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
             return Err(interrupted().into());
         }
         let camera = motion.at(frame);
-        let pair = stage
-            .renderer
-            .pair(&stage.uploaded, &camera)
-            .options(&stage.options)
-            .progress(&mut |now| progress.show(now))
-            .read()
-            .wait()?;
+        let pair = stage.render(camera, stage.options.clone(), &mut progress)?;
         size = match names.write(&pair, frame, &arguments.eyes) {
             // The signal may have ended the reader of the pipe too.
             Err(_) if names == Names::Stdout && stop.is_asked_for() => return Err(interrupted().into()),

@@ -53,8 +53,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let begin = Instant::now();
     let mut progress = Progress::new(global, 1);
     let mut show = |now| progress.show(now);
-    let rendering = stage.renderer.views(&stage.uploaded, &rig).options(&stage.options).progress(&mut show).read();
-    let views = pollster::block_on(rendering);
+    let views = stage.renderer.views(&stage.uploaded, &rig).options(&stage.options).progress(&mut show).read().wait();
     progress.clear();
     let views = views?;
     let ms = begin.elapsed().as_secs_f64() * 1e3;
