@@ -207,7 +207,8 @@ mod tests {
         assert!(refused(&[(-1.0, camera(0.0))]).contains("frame is -1"));
         assert!(refused(&[(f32::NAN, camera(0.0))]).contains("frame is NaN"));
         assert!(refused(&[(1.0, camera(0.0)), (1.0, camera(1.0))]).contains("ascend"));
-        assert!(refused(&[(0.0, camera(0.0)), (1.0, camera(1.0).interaxial_pixels(3.0))]).contains("in the same way"));
+        let unlike = [(0.0, camera(0.0)), (1.0, camera(1.0).interaxial_pixels(3.0))];
+        assert!(refused(&unlike).contains("by the same options"));
         assert!(refused(&[(0.0, camera(0.0).up(glam::Vec3::ZERO))]).contains("up is"));
     }
 }
