@@ -6,8 +6,8 @@
 // updates view       [height * width]      color
 // adds    counters   [height * COUNTERS]
 
-//! use bvh, camera, counters, dice, frame, lane, light, lists, materials, pixels, planes, primitives, rays, shade
-//! use surfaces, textures, view
+//! use bvh, camera, counters, dice, frame, lane, light, lists, materials, pixels, planes, primitives, rays
+//! use reflectance, shade, surfaces, textures, view
 
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
@@ -40,40 +40,14 @@ fn send(origin: vec3f, direction: vec3f, weight: vec3f, travelled: f32, depth: u
 }
 
 // Sends on the rays that a surface reflects and transmits.
-fn send_on(ray: Pending, t: f32, finish: Finish, surface: Surface, surfaces: Surfaces) {
+fn send_on(ray: Pending, t: f32, material: Material, surface: Surface, surfaces: Surfaces) {
     let direction = normalize(ray.direction);
     let behind = offset_from(surfaces, ray.origin, -1.0);
     let travelled = ray.travelled + t;
-    send(behind, direction, ray.weight * (1.0 - finish.opacity), travelled, ray.depth + 1u);
-    let weight = ray.weight * finish.opacity;
-    let normal = surface.shading_normal;
-    let cosine = clamp(-dot(normal, direction), 0.0, 1.0);
-    let mirrored = direction + normal * (2.0 * cosine);
-    if finish.kind == GLASS {
-        // Snell's law: eta is the index on the ray's side over the index on the other side.
-        let eta = select(finish.index, 1.0 / finish.index, surface.from_outside);
-        let squared = 1.0 - eta * eta * (1.0 - cosine * cosine);
-        let inner = sqrt(max(squared, 0.0));
-        var reflected = finish.reflected;
-        var passed = 1.0 - reflected;
-        if finish.fresnel {
-            let back = fresnel(cosine, inner, eta);
-            reflected = finish.reflected * back;
-            passed = vec3f(1.0 - back);
-        }
-        if squared <= 0.0 {
-            reflected = vec3f(1.0);
-        } else {
-            let bent = normalize(direction * eta + normal * (eta * cosine - inner));
-            send(behind, bent, weight * finish.transmission * passed, travelled, ray.depth + 1u);
-        }
-        send_mirrored(ray, surfaces, mirrored, weight * reflected, travelled);
-    } else if finish.kind == MIRROR {
-        // Schlick's approximation, from the reflectance at normal incidence.
-        let grazing = pow(1.0 - cosine, 5.0);
-        let reflected = select(finish.reflected, mix(finish.reflected, vec3f(1.0), grazing), finish.fresnel);
-        send_mirrored(ray, surfaces, mirrored, weight * reflected, travelled);
-    }
+    send(behind, direction, ray.weight * (1.0 - material.opacity), travelled, ray.depth + 1u);
+    let sent = sent_on(material, surface, direction, ray.weight * material.opacity);
+    send(behind, sent.refracted, sent.refracted_weight, travelled, ray.depth + 1u);
+    send_mirrored(ray, surfaces, sent.reflected, sent.reflected_weight, travelled);
 }
 
 fn send_mirrored(ray: Pending, surfaces: Surfaces, mirrored: vec3f, weight: vec3f, travelled: f32) {
@@ -81,13 +55,6 @@ fn send_mirrored(ray: Pending, surfaces: Surfaces, mirrored: vec3f, weight: vec3
     let geometric = of_ray3(surfaces.geometric_normal, 0u);
     let above = mirrored + geometric * max(0.0, 1e-4 - dot(mirrored, geometric));
     send(offset_from(surfaces, ray.origin, 1.0), normalize(above), weight, travelled, ray.depth + 1u);
-}
-
-// Returns the share of unpolarised light that glass reflects, by Fresnel's equations for the cosines on both sides.
-fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
-    let across = (eta * cosine - inner) / (eta * cosine + inner);
-    let along_plane = (cosine - eta * inner) / (cosine + eta * inner);
-    return 0.5 * (across * across + along_plane * along_plane);
 }
 
 // Returns the origin of a ray that leaves a hit point. It is moved off the surface, to the ray's side, by the same
@@ -124,9 +91,9 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
             color += seen;
         } else {
             let surface = surface_at(rays, hits, 0u);
-            let finish = finish_of(surface.material);
-            color += seen * finish.opacity;
-            send_on(ray, of_ray(hits.t, 0u), finish, surface, surfaces);
+            let material = material_at(surface.material);
+            color += seen * material.opacity;
+            send_on(ray, of_ray(hits.t, 0u), material, surface, surfaces);
         }
         if waiting == 0u { break; }
         waiting -= 1u;

@@ -1,7 +1,7 @@
 // Lights (DESIGN, section 3). visibility.wgsl determines which points see a light, and soft.wgsl handles lights other
 // than point lights.
 
-//! use aims, counters, fetch, in_steps, lane, light, materials, shadows, soft, table, visibility
+//! use aims, counters, fetch, in_steps, lane, light, reflectance, shadows, soft, table, visibility
 
 //! if lights is some
 fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {

@@ -2,7 +2,7 @@
 // per point. The rays are spread evenly (Hammersley points) and shifted by random numbers of the pixel. So no pattern
 // is visible, and a frame repeats bit for bit.
 
-//! use aims, bvh, camera, counters, dice, fetch, frame, lane, light, materials, pixels, planes, rays, sky_light
+//! use aims, bvh, camera, counters, dice, fetch, frame, lane, light, pixels, planes, rays, reflectance, sky_light
 //! use surfaces, table, view, visibility
 
 //! if soft is none

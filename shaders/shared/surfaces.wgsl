@@ -1,6 +1,6 @@
 // Surfaces at the hits of a lane's rays.
 
-//! use fetch, lane, light, materials, pixels, planes, primitives, rays, table, textures
+//! use fetch, lane, light, materials, pixels, planes, primitives, rays, reflectance, table, textures
 
 // Fetches normals and albedos, once per hit.
 fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
@@ -15,9 +15,10 @@ fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
             found.shading_normal = with_ray3(found.shading_normal, ray, surface.shading_normal);
             found.component = with_ray_u(found.component, ray, surface.component);
             found.reach = with_ray(found.reach, ray, surface.reach);
-            let albedo = bitcast<vec3f>(material_texel(surface.material, MATERIAL_ALBEDO).xyz);
-            found.albedo = with_ray3(found.albedo, ray, albedo * texture_factor(rays, hits, surface, ray));
-            found = with_shine(found, ray, surface.material);
+            let material = material_at(surface.material);
+            let factor = texture_factor(rays, hits, surface, material.texture, ray);
+            found.albedo = with_ray3(found.albedo, ray, material.albedo * factor);
+            found = with_highlights(found, ray, material);
             found = with_sends(found, ray, surface.material);
         }
         ray += 1u;
@@ -28,22 +29,20 @@ fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
 }
 
 //! if textures is none
-fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
+fn texture_factor(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f {
     return vec3f(1.0);
 }
 
 //! if textures is some and planes is none
 // Returns the factor of the albedo at a hit: texture times vertex colour.
-fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
-    let texture = material_texel(surface.material, MATERIAL_ALBEDO).w & MATERIAL_TEXTURE;
+fn texture_factor(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f {
     let painted = vertex_color(rays, hits, surface, ray);
     if texture == 0u { return painted; }
     return painted * texture_color(table_texel(TEXTURES).w + texture - 1u, lookup_at(rays, hits, surface, ray));
 }
 
 //! if textures is some and planes is some
-fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
-    let texture = material_texel(surface.material, MATERIAL_ALBEDO).w & MATERIAL_TEXTURE;
+fn texture_factor(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f {
     let painted = vertex_color(rays, hits, surface, ray);
     if texture == 0u { return painted; }
     let head_at = table_texel(TEXTURES).w + texture - 1u;

@@ -93,6 +93,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "projection",
     "ray_list",
     "rays",
+    "reflectance",
     "search",
     "shade",
     "shadow_buffer",

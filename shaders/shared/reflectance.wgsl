@@ -1,0 +1,153 @@
+// Reflectance: highlights that surfaces send to the eye, and rays that mirrors and glass send on. Diffuse reflection is
+// the albedo, which shade.wgsl applies to the sum of all light.
+
+//! use aims, lane, light, materials, rays
+
+//! if shine is none
+fn with_highlights(surfaces: Surfaces, ray: u32, material: Material) -> Surfaces {
+    return surfaces;
+}
+
+fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
+    return all3(vec3f(0.0));
+}
+
+fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
+    return vec4f(0.0);
+}
+
+//! if shine is some
+// Phong's lobe as MTL defines it. `cosine` is that of the mirrored light and the eye, `facing` that of normal and light.
+fn lobe_scale(exponent: f32) -> f32 { return 1.0; }
+
+// pow(0, 0) is undefined, so the cosine has a lower limit.
+fn lobe(exponent: F, cosine: F, facing: F) -> F { return pow(max(cosine, F(1e-30)), exponent); }
+
+fn lobe_of_four(exponent: f32, cosine: vec4f, facing: vec4f) -> vec4f {
+    return pow(max(cosine, vec4f(1e-30)), vec4f(exponent));
+}
+
+//! if shine is normalised
+// As above, for scenes in which some highlights are normalised: those with a negative exponent. Their colour is scaled
+// so that the whole lobe reflects its share of the incoming light (Lafortune & Willems 1994).
+fn lobe_scale(exponent: f32) -> f32 {
+    return select(1.0, 0.5 * (phong_exponent(exponent) + 2.0), exponent < 0.0);
+}
+
+fn phong_exponent(exponent: f32) -> f32 { return select(exponent, -1.0 - exponent, exponent < 0.0); }
+
+fn lobe(exponent: F, cosine: F, facing: F) -> F {
+    let normalised = exponent < F(0.0);
+    let plain = pow(max(cosine, F(1e-30)), select(exponent, -1.0 - exponent, normalised));
+    return select(plain, plain * max(facing, F(0.0)), normalised);
+}
+
+fn lobe_of_four(exponent: f32, cosine: vec4f, facing: vec4f) -> vec4f {
+    let plain = pow(max(cosine, vec4f(1e-30)), vec4f(phong_exponent(exponent)));
+    return select(plain, plain * facing, exponent < 0.0);
+}
+
+//! if shine is some or normalised
+// Adds the highlights' colour and exponent, and the emission, to a surface.
+fn with_highlights(surfaces: Surfaces, ray: u32, material: Material) -> Surfaces {
+    var shining = surfaces;
+    shining.specular = with_ray3(surfaces.specular, ray, material.specular * lobe_scale(material.exponent));
+    shining.exponent = with_ray(surfaces.exponent, ray, material.exponent);
+    shining.emission = with_ray3(surfaces.emission, ray, material.emission);
+    return shining;
+}
+
+// Returns the highlight of a light of intensity 1. Directions from the light are unit vectors.
+fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
+    let to_eye = minus3(all3(eye), surfaces.point);
+    let facing = -dot3(surfaces.shading_normal, from_light);
+    let mirrored = add3(from_light, times3(surfaces.shading_normal, 2.0 * facing));
+    let cosine = dot3(mirrored, to_eye) / sqrt(dot3(to_eye, to_eye));
+    let seen = lobe(surfaces.exponent, cosine, facing);
+    return times3(surfaces.specular, select(F(0.0), seen, cosine > F(0.0)));
+}
+
+// Returns the highlights of light along four rays, without the surface's colour.
+fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
+    let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
+    let n = aim.shading_normal;
+    // Mirrors the direction to the light about the normal. The cosine is the same as in `highlight`.
+    let facing = rays.x * n.x + rays.y * n.y + rays.z * n.z;
+    let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
+    let cosine = 2.0 * facing * dot(n, to_eye) - back;
+    let seen = lobe_of_four(of_ray(surfaces.exponent, ray), cosine, facing);
+    return select(vec4f(0.0), seen, rays.wanted & (cosine > vec4f(0.0)));
+}
+
+//! if mirrors is none or followed
+// This kernel computes the light of all surfaces.
+fn with_sends(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
+    return surfaces;
+}
+
+fn is_lit_here(surfaces: Surfaces) -> B {
+    return surfaces.there;
+}
+
+//! if mirrors is listed
+// trace_mirrored computes the light of mirrors, glass and veils.
+fn with_sends(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
+    var sending = surfaces;
+    sending.sends = with_ray_u(surfaces.sends, ray, select(0u, 1u, sends_rays(material)));
+    return sending;
+}
+
+fn is_lit_here(surfaces: Surfaces) -> B {
+    return surfaces.there & (surfaces.sends == U(0u));
+}
+
+//! if mirrors is followed
+// Rays that a mirror or glass sends on: unit directions, and weights that multiply what the rays see. The weight of a
+// ray that does not exist is 0.
+struct SentOn {
+    reflected: vec3f,
+    reflected_weight: vec3f,
+    refracted: vec3f,
+    refracted_weight: vec3f,
+}
+
+// Returns the rays that a surface sends on. The arriving ray has a unit direction and a weight.
+fn sent_on(material: Material, surface: Surface, direction: vec3f, weight: vec3f) -> SentOn {
+    let normal = surface.shading_normal;
+    let cosine = clamp(-dot(normal, direction), 0.0, 1.0);
+    var sent: SentOn;
+    sent.reflected = direction + normal * (2.0 * cosine);
+    if material.kind == GLASS {
+        // Snell's law: eta is the index on the ray's side over the index on the other side.
+        let eta = select(material.index, 1.0 / material.index, surface.from_outside);
+        let squared = 1.0 - eta * eta * (1.0 - cosine * cosine);
+        let inner = sqrt(max(squared, 0.0));
+        var reflected = material.specular;
+        var passed = 1.0 - reflected;
+        if material.fresnel {
+            let back = fresnel(cosine, inner, eta);
+            reflected = material.specular * back;
+            passed = vec3f(1.0 - back);
+        }
+        if squared <= 0.0 {
+            reflected = vec3f(1.0);
+        } else {
+            sent.refracted = normalize(direction * eta + normal * (eta * cosine - inner));
+            sent.refracted_weight = weight * material.transmission * passed;
+        }
+        sent.reflected_weight = weight * reflected;
+    } else if material.kind == MIRROR {
+        // Schlick's approximation, from the reflectance at normal incidence.
+        let grazing = pow(1.0 - cosine, 5.0);
+        let reflected = select(material.specular, mix(material.specular, vec3f(1.0), grazing), material.fresnel);
+        sent.reflected_weight = weight * reflected;
+    }
+    return sent;
+}
+
+// Returns the share of unpolarised light that glass reflects, by Fresnel's equations for the cosines on both sides.
+fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
+    let across = (eta * cosine - inner) / (eta * cosine + inner);
+    let along_plane = (cosine - eta * inner) / (cosine + eta * inner);
+    return 0.5 * (across * across + along_plane * along_plane);
+}
