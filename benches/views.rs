@@ -1,7 +1,7 @@
-//! What a rig of many views costs: `cargo bench --bench views` prints a table.
+//! Measures the cost of a rig of many views: `cargo bench --bench views` prints a table.
 //!
-//! Methods take turns in one run; times are the host's, read-back included, as medians of the rounds. `cargo bench
-//! --bench views -- NAME…` takes other scenes: built-in ones, or folders of OBJ files.
+//! Methods take turns in one run. Times are medians of the rounds by the host's clock, including read-back. `cargo
+//! bench --bench views -- NAME…` selects other scenes: built-in ones, or folders of OBJ files.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -17,9 +17,9 @@ use crate::common::{
     scenes::{self, BenchScene},
 };
 
-/// Parallax at infinity between neighbours, in pixels.
+/// Parallax at infinity between neighbouring views, in pixels.
 const NEIGHBOURS: f32 = 2.0;
-/// The ground truth comes first.
+/// Methods, with the ground truth first.
 const METHODS: [Method; 4] = [Method::Naive, Method::BRACKET, Method::VERIFIED, Method::Auto];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints a scene's table, and how long each pass of each method took.
+/// Prints a scene's table, and the time of each pass of each method.
 fn measure(renderer: &mut Renderer, bench: &BenchScene, eyes: usize, rounds: usize) -> Result<(), Box<dyn Error>> {
     let BenchScene { name, scene, camera } = bench;
     let rig = Rig::row(*camera, eyes);

@@ -4,7 +4,8 @@
 //! cargo run --release --example anaglyph -- anaglyph.png [model.obj]
 //! ```
 //!
-//! The command `stereotrace` does the same and much more; this is what a program of one's own begins with.
+//! The command `stereotrace` does the same and much more. This example shows the start of a program that uses the
+//! library.
 
 use std::error::Error;
 

@@ -1,4 +1,4 @@
-//! A scene made in code: a mesh with a texture, a mirror, a ball of glass, an infinite ground, soft light.
+//! A scene built in code: a mesh with a texture, a mirror, a glass sphere, an infinite ground, and soft light.
 //!
 //! ```sh
 //! cargo run --release --example custom_scene -- custom_scene.png
@@ -16,7 +16,7 @@ use stereotrace::{
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or("custom_scene.png".into());
     let scene = scene()?;
-    // The screen stands at the target: what is nearer comes out of it, and what is farther lies behind.
+    // The screen is at the target. Nearer objects appear in front of it, and farther ones behind it.
     let camera = StereoCamera::look_at(Vec3::new(0.3, 1.7, 6.0), Vec3::new(0.0, 0.8, 0.0)).size(640, 400);
 
     let mut renderer = Renderer::new(Gpu::new().wait()?);
@@ -55,7 +55,7 @@ fn scene() -> Result<Scene, stereotrace::Error> {
     Ok(scene)
 }
 
-/// Four sides, each with the texture once around.
+/// Builds four sides, each with the whole texture.
 fn pyramid() -> Mesh {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z - 0.2);
     let corners = [corner(-0.8, 0.8), corner(0.8, 0.8), corner(0.8, -0.8), corner(-0.8, -0.8)];

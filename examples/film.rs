@@ -1,5 +1,5 @@
-//! A film of things that move: a thousand spheres, turning about their axis, as numbered anaglyphs. The scene stays on
-//! the device; each frame brings only the change there.
+//! Renders a film of a thousand spheres that turn about their axis, as numbered anaglyphs. The scene stays on the
+//! device, and each frame uploads only its change.
 //!
 //! ```sh
 //! cargo run --release --example film -- out 24
@@ -33,7 +33,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         for object in 0..scene.object_count() as u32 {
             scene.transform_object(object, &step)?;
         }
-        // The tree keeps its shape, and its boxes follow; after large changes, Update::Rebuild is faster to trace.
+        // The refit keeps the tree's structure and updates its boxes. After large changes, Update::Rebuild gives faster
+        // traces.
         renderer.update(&mut uploaded, &scene, Update::Refit).wait()?;
     }
     let each = 1e3 * begin.elapsed().as_secs_f64() / f64::from(frames);

@@ -1,12 +1,12 @@
-//! Renders a pair of a built-in scene and writes all that it knows of it, in the formats of stereo stills and of stereo
+//! Renders a pair of a built-in scene. Writes pictures and ground truth in the formats of stereo stills and stereo
 //! vision (docs/FORMATS.md).
 //!
 //! ```sh
 //! cargo run --release --features exr --example ground_truth -- hall 640x480 out
 //! ```
 //!
-//! The cameras are parallel, so that disparities are above 0, as KITTI wants them. With `off-axis` behind the folder
-//! the scene's own screen stays, behind which they are negative, and KITTI's files are left out.
+//! The cameras are parallel, so disparities are positive, as KITTI requires. With `off-axis` after the folder, the
+//! scene's own screen is kept. Disparities are then negative behind the screen, and KITTI's files are left out.
 
 use std::{error::Error, path::Path};
 
@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         files.add_pfm_color(file(&format!("camera_normals{n}.pfm")), width, height, &in_camera)?;
         files.add_ids_png(file(&format!("objects{n}.png")), width, height, &eye.object)?;
         files.add_ids_png(file(&format!("materials{n}.png")), width, height, &eye.material)?;
-        files.add_primitive_ids(file(&format!("primitives{n}.pfm")), view)?; // may be over 65,534
+        files.add_primitive_ids(file(&format!("primitives{n}.pfm")), view)?; // ids may exceed 65,534
         if !is_off_axis {
             let (all, of_both) = (eye.surfaces(), eye.surfaces_of_both());
             files.add_kitti_disparity(file(&format!("disp_occ_{n}.png")), width, height, &eye.disparity, &all)?;

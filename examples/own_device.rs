@@ -1,6 +1,6 @@
-//! A pair that stays on the device: the caller's own pipeline samples both views and makes a red-cyan anaglyph of them,
-//! on the caller's own device and in the caller's own submission. A live view would show the texture that this example
-//! writes to a file.
+//! Renders a pair that stays on the device. The caller's own pipeline samples both views and makes a red-cyan anaglyph
+//! of them. It uses the caller's own device and submission. A live view would show the texture that this example writes
+//! to a file.
 //!
 //! ```sh
 //! cargo run --release --example own_device -- out/anaglyph.png
@@ -17,7 +17,7 @@ use stereotrace::{
 
 const SIZE: [u32; 2] = [640, 448];
 
-/// What a pixel of the anaglyph is: `OF_LEFT` and `OF_RIGHT` stand for matrices on linear colour.
+/// Shader that computes the anaglyph. `OF_LEFT` and `OF_RIGHT` stand for matrices on linear colour.
 const SHADER: &str = "
 @group(0) @binding(0) var left: texture_2d<f32>;
 @group(0) @binding(1) var right: texture_2d<f32>;
@@ -35,9 +35,9 @@ fn anaglyph(@builtin(position) place: vec4f) -> @location(0) vec4f {
 }
 ";
 
-/// The shader for Dubois' red-cyan anaglyphs.
+/// Returns the shader for Dubois's red-cyan anaglyphs.
 fn shader() -> String {
-    // WGSL lists a matrix column by column, the library has rows.
+    // WGSL lists a matrix by columns, the library by rows.
     let wgsl = |rows: [[f32; 3]; 3]| {
         let columns: Vec<String> = (0..9).map(|index| format!("{:?}", rows[index % 3][index / 3])).collect();
         format!("mat3x3f({})", columns.join(", "))
@@ -71,7 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A program's own device, with what the library asks of one and whatever the program wants besides.
+/// Creates the program's own device, with the features and limits that the library requires. A program can add its own.
 fn own_device() -> Result<(wgpu::Device, wgpu::Queue), Box<dyn Error>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
@@ -83,7 +83,7 @@ fn own_device() -> Result<(wgpu::Device, wgpu::Queue), Box<dyn Error>> {
     Ok(pollster::block_on(adapter.request_device(&descriptor))?)
 }
 
-/// What a live view would be given by its window.
+/// Creates the texture that a live view would get from its window.
 fn texture(device: &wgpu::Device) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some("shown"),
@@ -152,8 +152,8 @@ fn draw(
     pass.draw(0..3, 0..1);
 }
 
-/// A buffer that has the texture's pixels once the commands have run. Its rows are a multiple of 256 bytes, as copies
-/// want them.
+/// Returns a buffer that holds the texture's pixels once the commands have run. Its rows are a multiple of 256 bytes,
+/// as copies require.
 fn download(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> wgpu::Buffer {
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("download"),

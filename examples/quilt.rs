@@ -1,4 +1,4 @@
-//! A quilt for a light-field display: many views of one scene, of which few are traced.
+//! A quilt for a light-field display: many views of one scene, of which only a few are traced.
 //!
 //! ```sh
 //! cargo run --release --example quilt -- out
@@ -12,10 +12,11 @@ use stereotrace::{
     output::{quilt, quilt_name},
 };
 
-/// Views across and down, and the size of each in pixels.
+/// Number of views across and down, and the size of each view in pixels.
 const GRID: [u32; 2] = [6, 4];
 const VIEW: [u32; 2] = [210, 280];
-/// Parallax at infinity between neighbours, in pixels. Displays blur what lies far from their screen, so it is small.
+/// Parallax at infinity between neighbouring views, in pixels. It is small, since displays blur points far from their
+/// screen.
 const APART: f32 = 1.2;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = renderer.upload(&Builtin::HallFinished.scene()).wait()?;
     let views = renderer.views(&scene, &rig).read().wait()?;
 
-    // Displays read the grid from the name.
+    // Displays read the grid from the file name.
     let path = Path::new(&folder).join(quilt_name("hall", &views, GRID[0], GRID[1]));
     quilt(&views, GRID[0], GRID[1])?.save_png(&path)?;
     let traced = views.views.iter().enumerate().filter(|(index, view)| view.made_from == *index).count();

@@ -1,11 +1,11 @@
-//! A pair of any height, its rows written as they are done: neither the device nor the host ever holds more than a band
-//! of them.
+//! Renders a pair of any height and writes its rows as they are finished. Neither the device nor the host ever holds
+//! more than a band of rows.
 //!
 //! ```sh
 //! cargo run --release --example rows -- 16384x8192 out [METHOD]
 //! ```
 //!
-//! It writes `left.png` and `right.png` of the built-in hall, and says how much memory the process had at most.
+//! It writes `left.png` and `right.png` of the built-in hall, and prints the process's peak memory.
 
 use std::{error::Error, path::Path, time::Instant};
 
@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What Linux says of the process; elsewhere nothing.
+/// Returns the process's peak memory as Linux reports it; on other systems it is unknown.
 fn memory() -> String {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

@@ -1,4 +1,4 @@
-//! What the charts share: their width, axes by decades, legends, and the frontier.
+//! Shared parts of the charts: width, logarithmic axes, legends, and the frontier.
 
 use std::{error::Error, ops::Range};
 
@@ -18,25 +18,25 @@ pub const FONT: &str = "sans-serif";
 pub const INK: RGBColor = RGBColor(40, 40, 40);
 pub const GRID: RGBColor = RGBColor(225, 225, 225);
 
-/// Pixels; pages and documents show charts as wide as they are themselves.
+/// Width of a chart in pixels. Pages and documents scale charts to their own width.
 pub const WIDTH: u32 = 1000;
-/// Of a chart of one panel.
+/// Size of a chart with one panel.
 pub const SIZE: (u32, u32) = (WIDTH, 560);
-/// Where the legend's column begins and the plot ends.
+/// x where the plot ends and the legend's column begins.
 pub const LEGEND_X: i32 = 800;
 const LEGEND_TOP: i32 = 70;
 const LEGEND_LINE: i32 = 19;
-/// From a legend's marker to its words.
+/// Distance from the left end of the legend's column to the text of its entries.
 const LEGEND_INDENT: i32 = 26;
 
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub type Pixel = (i32, i32);
 pub type Drawn = Result<(), Box<dyn Error>>;
 
-/// A point of a chart: cost of the second eye relative to the first, and an error.
+/// A point of a chart: the cost of the second eye relative to the first, and an error.
 pub type Point = (f64, f64);
 
-/// Which points no other one beats in cost without losing in accuracy, cheapest first.
+/// Returns the indices of the Pareto-optimal points, cheapest first.
 pub fn frontier(points: &[Point]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)));
@@ -49,7 +49,7 @@ pub fn frontier(points: &[Point]) -> Vec<usize> {
     order
 }
 
-/// An SVG with a white ground, as wide as what it stands in.
+/// Draws an SVG with a white background that fills the width of its container.
 pub fn drawing(size: (u32, u32), title: &str, draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, Box<dyn Error>> {
     let mut svg = String::new();
     {
@@ -62,38 +62,38 @@ pub fn drawing(size: (u32, u32), title: &str, draw: impl FnOnce(&Area<'_>) -> Dr
     Ok(svg.replacen(&own, &format!("<svg role=\"img\" aria-label=\"{}\" width=\"100%\" ", escape(title)), 1))
 }
 
-/// What is written above a chart; `source` is where and when its figures were taken.
+/// Draws a chart's title. `source` tells where and when its figures were measured.
 pub fn heading(root: &Area<'_>, title: &str, source: &str) -> Drawn {
     text(root, title, (20, 22), 17)?;
     text(root, source, (20, 43), 12)
 }
 
-/// Text from this point on, centred on its height.
+/// Draws text that starts at a point and is vertically centred on it.
 pub fn text(root: &Area<'_>, text: &str, at: Pixel, size: i32) -> Drawn {
     let style = (FONT, size).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
     Ok(root.draw(&Text::new(printable(text), at, style))?)
 }
 
-/// Of text that is centred on its point.
+/// Returns the style of text that is centred on its point.
 pub fn anchored(size: i32, color: &RGBColor) -> TextStyle<'_> {
     TextStyle::from((FONT, size).into_font()).color(color).pos(Pos::new(HPos::Center, VPos::Center))
 }
 
-/// What stands beside a plot: all charts have theirs in one column, by one rule.
+/// The legend beside a plot. All charts have it in the same column, with the same layout.
 pub struct Legend<'a, 'b> {
     root: &'a Area<'b>,
     y: i32,
 }
 
 impl<'a, 'b> Legend<'a, 'b> {
-    /// The middle of a legend's markers.
+    /// x of the centres of the legend's markers.
     const MARKER_X: i32 = LEGEND_X + 8;
 
     pub fn new(root: &'a Area<'b>) -> Self {
         Self { root, y: LEGEND_TOP }
     }
 
-    /// Begins a list.
+    /// Starts a group of entries with a heading.
     pub fn head(&mut self, words: &str) -> Drawn {
         if self.y > LEGEND_TOP {
             self.y += LEGEND_LINE / 2;
@@ -103,7 +103,7 @@ impl<'a, 'b> Legend<'a, 'b> {
         Ok(())
     }
 
-    /// A line with what `draw` puts before it; words behind `, ` go on a line of their own.
+    /// Adds an entry, with a symbol that `draw` puts in front of it. The text is broken into lines after each `, `.
     pub fn entry(&mut self, words: &str, draw: impl FnOnce(&Area<'_>, Pixel) -> Drawn) -> Drawn {
         draw(self.root, (Self::MARKER_X, self.y))?;
         for line in words.split_inclusive(", ") {
@@ -114,7 +114,7 @@ impl<'a, 'b> Legend<'a, 'b> {
         Ok(())
     }
 
-    /// What has these looks: methods in their own colours, or what else markers tell in one.
+    /// Adds entries for markers of these looks, in their own colours or all in `tone`.
     pub fn markers<'c>(
         &mut self,
         head: &str,
@@ -129,7 +129,7 @@ impl<'a, 'b> Legend<'a, 'b> {
         Ok(())
     }
 
-    /// Scenes by the colours of their places.
+    /// Adds the scenes with the colours of their indices.
     pub fn scene_colors<'c>(&mut self, names: impl IntoIterator<Item = &'c str>) -> Drawn {
         self.head("scene")?;
         for (place, name) in names.into_iter().enumerate() {
@@ -141,7 +141,7 @@ impl<'a, 'b> Legend<'a, 'b> {
         Ok(())
     }
 
-    /// Scenes by the numbers in methods' markers, from 1 on.
+    /// Adds the scenes with their numbers, from 1, which stand in the methods' markers.
     pub fn scene_numbers<'c>(&mut self, names: impl IntoIterator<Item = &'c str>) -> Drawn {
         self.head("scene")?;
         for (place, name) in names.into_iter().enumerate() {
@@ -151,7 +151,7 @@ impl<'a, 'b> Legend<'a, 'b> {
         Ok(())
     }
 
-    /// What the frontier's line goes through.
+    /// Explains the line and the hollow markers of the frontier.
     pub fn means(&mut self) -> Drawn {
         self.y += LEGEND_LINE / 2;
         self.entry("means of all scenes, on the frontier", |root, (x, y)| {
@@ -161,14 +161,14 @@ impl<'a, 'b> Legend<'a, 'b> {
         })
     }
 
-    /// What bars at markers are.
+    /// Explains the error bars.
     pub fn error_bars(&mut self) -> Drawn {
         self.entry("least to most of the rounds", |root, (x, y)| {
             super::looks::error_bar(root, (x - 9, y), (x + 9, y), INK)
         })
     }
 
-    /// Words without a marker, a line each.
+    /// Adds lines of text without a marker.
     pub fn note(&mut self, lines: &[&str]) -> Drawn {
         self.y += LEGEND_LINE / 2;
         for line in lines {
@@ -179,15 +179,16 @@ impl<'a, 'b> Legend<'a, 'b> {
     }
 }
 
-/// A plot's place on the chart, and what is written beside its axes.
+/// Position of a plot on the chart, and the labels of its axes.
 pub struct Panel<'a> {
-    /// From its top to below its labels, in pixels.
+    /// Pixel rows of the panel, including the labels below the plot.
     pub rows: Range<u32>,
     pub x: &'a str,
     pub y: &'a str,
 }
 
-/// Axes and grid; errors are in percent, by decades, with zero in a row of its own. Returns where a point goes.
+/// Draws axes and grid, and returns a function from points to pixels. Errors are percentages on a logarithmic axis;
+/// zero has a row of its own.
 pub fn axes(
     root: &Area<'_>,
     points: &[Point],
@@ -232,10 +233,10 @@ pub fn axes(
     })
 }
 
-/// A row a decade; zero is a row below the lowest one.
+/// A logarithmic scale with one row per decade. Zero is one row below the lowest decade.
 #[derive(Clone, Copy)]
 struct LogScale {
-    /// Decimal logarithms.
+    /// Decimal logarithms of the ends.
     lowest: f64,
     highest: f64,
 }
@@ -259,7 +260,7 @@ impl LogScale {
         self.lowest - 0.5
     }
 
-    /// A number of labels that leaves each row its own.
+    /// Returns a number of labels that gives each row its own.
     fn labels(self) -> usize {
         (self.highest - self.lowest) as usize + 3
     }

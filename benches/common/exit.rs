@@ -1,8 +1,8 @@
-//! How a benchmark ends.
+//! Exit status of the benchmarks.
 
 use std::{error::Error, process::ExitCode};
 
-/// The exit status of what was done; an error is printed.
+/// Returns the exit status of a result, and prints its error.
 pub fn status(result: Result<(), Box<dyn Error>>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,

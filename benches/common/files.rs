@@ -1,4 +1,4 @@
-//! Files that are written whole or not at all.
+//! Files that are written completely or not at all.
 
 use std::{
     error::Error,
@@ -14,7 +14,7 @@ pub fn root() -> &'static Path {
     if package.ends_with("studies") { package.parent().unwrap_or(package) } else { package }
 }
 
-/// Writes files of these names and texts. None takes its name before all are written.
+/// Writes files of these names and texts. No file gets its final name before all are written.
 pub fn save(files: &[(String, String)], folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut batch = Batch::new();

@@ -1,11 +1,10 @@
-//! Looks: colour, marker and dash by number. A method has the same number, so the same look, in every chart and on
-//! every page.
+//! Looks: colour, marker and dash pattern by number. A method has the same look in every chart and on every page.
 
 use plotters::prelude::*;
 
 use super::chart::{Area, Drawn, INK, Pixel, anchored};
 
-/// The methods by name; the place of one is the number of its look.
+/// Names of the methods. The index of a method is the number of its look.
 pub const METHODS: [&str; 17] = [
     "naive",
     "ideal",
@@ -25,7 +24,7 @@ pub const METHODS: [&str; 17] = [
     "atomic-unchecked",
     "buffer-unchecked",
 ];
-/// Okabe and Ito's colours, that the colour-blind can tell apart, with brown for their yellow, and four more.
+/// Okabe and Ito's palette for colour-blind readers, with brown in place of its yellow, and four further colours.
 const COLORS: [RGBColor; 12] = [
     RGBColor(0, 0, 0),
     RGBColor(140, 81, 10),
@@ -40,7 +39,7 @@ const COLORS: [RGBColor; 12] = [
     RGBColor(0, 110, 120),
     RGBColor(120, 120, 120),
 ];
-/// Lengths of stroke and gap in turn, in pixels.
+/// Dash patterns: alternating lengths of strokes and gaps in pixels. An empty pattern is a solid line.
 const DASHES: [&[f64]; 11] = [
     &[],
     &[2.0, 5.0],
@@ -54,7 +53,7 @@ const DASHES: [&[f64]; 11] = [
     &[9.0, 3.0],
     &[4.0, 8.0],
 ];
-/// Corners of markers, about their point; without any a circle.
+/// Corners of the markers, relative to their centres. An empty list stands for a circle.
 #[rustfmt::skip]
 const SHAPES: [&[Pixel]; 13] = [
     &[(-5, -5), (5, -5), (5, 5), (-5, 5)],
@@ -71,11 +70,11 @@ const SHAPES: [&[Pixel]; 13] = [
     &[(-3, -8), (3, -8), (3, 8), (-3, 8)],
     &[(-6, -7), (6, -7), (-6, 7), (6, 7)],
 ];
-/// A circle's radius.
+/// Radius of the circle.
 const RADIUS: i32 = 6;
 
-/// The number of a method's look. Names that are not listed are told apart by their letters, so that they look the same
-/// everywhere too.
+/// Returns the number of a method's look. A name that is not in the list gets a number from its letters, so its look is
+/// the same everywhere too.
 pub fn of_method(name: &str) -> usize {
     let by_letters = || name.bytes().fold(0, |sum: usize, letter| (31 * sum + usize::from(letter)) % 101);
     METHODS.iter().position(|method| *method == name).unwrap_or_else(|| METHODS.len() + by_letters())
@@ -85,7 +84,7 @@ pub fn color(look: usize) -> RGBColor {
     COLORS[look % COLORS.len()]
 }
 
-/// The colour of a scene by its place, where markers are no methods: black is for what stands out.
+/// Returns the colour of a scene, for charts whose markers do not stand for methods. Black and brown come last.
 pub fn scene_color(place: usize) -> RGBColor {
     color(place + 2)
 }
@@ -94,12 +93,12 @@ pub fn dash(look: usize) -> &'static [f64] {
     DASHES[look % DASHES.len()]
 }
 
-/// A marker, with a rim so that neighbours stand apart.
+/// Draws a marker, with a rim that separates it from its neighbours.
 pub fn marker(root: &Area<'_>, look: usize, at: Pixel, fill: ShapeStyle, rim: ShapeStyle) -> Drawn {
     scaled(root, look, at, 1.0, fill, rim)
 }
 
-/// A method's marker, larger, with the number of the scene in it, from 1 on: `None` where there is but one scene.
+/// Draws a method's marker. If there are several scenes, it is larger and contains the scene's number, from 1.
 pub fn numbered(root: &Area<'_>, look: usize, scene: Option<usize>, (x, y): Pixel) -> Drawn {
     let tone = color(look);
     let Some(scene) = scene else { return marker(root, look, (x, y), tone.filled(), WHITE.into()) };
@@ -119,11 +118,11 @@ fn scaled(root: &Area<'_>, look: usize, (x, y): Pixel, by: f64, fill: ShapeStyle
     }
     let mut corners: Vec<Pixel> = outline.iter().map(|(dx, dy)| (x + larger(*dx), y + larger(*dy))).collect();
     root.draw(&Polygon::new(corners.clone(), fill))?;
-    corners.extend_from_within(..2); // twice round the first side: the last corner is as sharp as the others
+    corners.extend_from_within(..2); // the first side is drawn twice, so that the last corner is as sharp as the others
     Ok(root.draw(&PathElement::new(corners, rim))?)
 }
 
-/// Where a figure lay in its rounds, as a bar with ends between two pixels of a row or of a column.
+/// Draws a bar with end caps between two pixels of one row or one column.
 pub fn error_bar(root: &Area<'_>, from: Pixel, to: Pixel, tone: RGBColor) -> Drawn {
     let style = tone.mix(0.7).stroke_width(1);
     root.draw(&PathElement::new(vec![from, to], style))?;

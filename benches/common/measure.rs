@@ -1,4 +1,4 @@
-//! One scene: rounds in which every method is timed, then a counting render of each for work and accuracy.
+//! Measures one scene: rounds in which every method is timed, and a counting render of each for work and accuracy.
 
 use std::{error::Error, time::Instant};
 
@@ -13,18 +13,18 @@ use super::{
     scenes::BenchScene,
 };
 
-/// Where naive and ideal stand among the methods.
+/// Indices of naive and ideal in the list of methods.
 const NAIVE: usize = 0;
 const IDEAL: usize = 1;
 
-/// What is measured on every scene.
+/// Settings of the measurement, the same for every scene.
 #[derive(Debug)]
 pub struct Plan {
     pub size: [u32; 2],
     pub e_px: f32,
-    /// `None`: built-in scenes keep their own.
+    /// Number of lights to place; with `None` built-in scenes keep their own.
     pub lights: Option<usize>,
-    /// Naive first, ideal second: the others are held against them.
+    /// Methods. Naive is the first and ideal the second, since the others are compared with them.
     pub methods: Vec<Method>,
     pub warm_ups: usize,
     pub rounds: usize,
@@ -36,29 +36,29 @@ pub struct Measured {
     pub triangles: usize,
     pub spheres: usize,
     pub lights: usize,
-    /// Naive first, ideal second.
+    /// Figures of each method; naive is the first and ideal the second.
     pub methods: Vec<MethodFigures>,
 }
 
-/// What a method costs and how exact it is.
+/// Cost and accuracy of a method.
 pub struct MethodFigures {
     pub method: Method,
-    /// All passes of a pair, milliseconds.
+    /// Total time of a pair's passes in milliseconds.
     pub pair_ms: Spread,
-    /// The same by the host's clock, which also sees clears, submissions and waits.
+    /// Time of a pair by the host's clock in milliseconds. It includes clears, submissions and waits.
     pub wall_ms: f64,
-    /// The left view's pass; without timestamps it is all of `Ideal`'s of the same round.
+    /// Time of the left view's pass. Without timestamps it is the time of `Ideal`'s pair in the same round.
     pub left_ms: f64,
-    /// Each pass's time in order, milliseconds, medians; empty without timestamps.
+    /// Median time of each pass in milliseconds, in their order; empty without timestamps.
     pub passes: Vec<(&'static str, f64)>,
-    /// (pair - left) / left.
+    /// Cost of the second eye by time, (pair - left) / left.
     pub second_eye: Spread,
-    /// Naive pair / pair - 1, of the medians.
+    /// Naive pair / pair - 1, from the medians.
     pub speed_up: f64,
     pub ratio_to_naive: f64,
-    /// Counted, see `Options::counting`.
+    /// Counters, see `Options::count`.
     pub statistics: Statistics,
-    /// The right view against naive's.
+    /// Difference of the right view from naive's.
     pub difference: Difference,
 }
 
@@ -66,19 +66,19 @@ pub struct MethodFigures {
 #[derive(Clone)]
 struct Sample {
     pair: f64,
-    /// `None` where the adapter has no timestamps.
+    /// Time of the left view's pass, or `None` if the adapter has no timestamps.
     left: Option<f64>,
     passes: Vec<(&'static str, f64)>,
     wall: f64,
 }
 
 impl MethodFigures {
-    /// The second eye's cost relative to the first's, as counters have it.
+    /// Returns the second eye's cost relative to the first eye's, by counters.
     pub fn second_eye_counters(&self) -> f64 {
         self.statistics.second_eye()
     }
 
-    /// What the counters promise: naive traces two eyes, this method 1 + m (DESIGN, section 7).
+    /// Returns the speed-up that the counters predict: naive costs two eyes, this method 1 + m (DESIGN, section 7).
     pub fn speed_up_predicted(&self) -> f64 {
         2.0 / (1.0 + self.second_eye_counters()) - 1.0
     }
@@ -131,7 +131,7 @@ pub fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Resu
     })
 }
 
-/// Renders a frame without reading it back.
+/// Renders a frame without reading it back, and returns its times.
 fn time(
     renderer: &mut Renderer,
     scene: &UploadedScene,
@@ -147,14 +147,14 @@ fn time(
     Ok(Sample { pair: times.total().as_secs_f64() * 1e3, left, passes, wall })
 }
 
-/// The median of each pass over the rounds.
+/// Returns the median time of each pass over the rounds.
 fn pass_medians(samples: &[Sample]) -> Vec<(&'static str, f64)> {
     let names = samples[0].passes.iter().map(|(name, _)| *name);
     let of = |name| samples.iter().flat_map(move |sample| &sample.passes).filter(move |(pass, _)| *pass == name);
     names.map(|name| (name, Spread::of(of(name).map(|(_, time)| *time)).median)).collect()
 }
 
-/// The left view's time in each round: the method's own, or `Ideal`'s where there are no timestamps.
+/// Returns the left view's time in each round. Without timestamps it is the time of `Ideal`'s pair.
 fn left_times(samples: &[Vec<Sample>], index: usize) -> Vec<f64> {
     let ideal = &samples[IDEAL];
     let own = samples[index].iter().zip(ideal).map(|(sample, ideal)| sample.left.unwrap_or(ideal.pair));

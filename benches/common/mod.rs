@@ -1,4 +1,4 @@
-//! What the benchmarks share: scenes, repeats in turn, where and when figures were taken.
+//! Shared parts of the benchmarks: scenes, interleaved rounds, provenance of the figures, charts and files.
 #![allow(dead_code, unreachable_pub, reason = "each benchmark uses its own part of this")]
 
 pub mod chart;

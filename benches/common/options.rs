@@ -1,6 +1,6 @@
-//! What the command lines share.
+//! Shared parts of the command lines.
 
-/// A picture size, as 600x400.
+/// Parses a picture size such as 600x400.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let numbers = text.split_once('x').map(|(width, height)| [width.parse(), height.parse()]);
     match numbers {
@@ -9,13 +9,14 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// Whether it is a quick look: asked for by `--smoke`, or run as a test; cargo says so when it benchmarks.
+/// Returns whether this is a smoke run: `--smoke` was given, or the benchmark runs as a test. Cargo passes `--bench`
+/// only when it benchmarks.
 pub fn is_quick() -> bool {
     let is_given = |name: &str| std::env::args().any(|argument| argument == name);
     is_given("--smoke") || !is_given("--bench")
 }
 
-/// The scenes that are named on the command line, or else the usual ones; for a quick look the hall.
+/// Returns the scenes named on the command line. The default is `usual`, and the hall in smoke runs.
 pub fn scenes_named(usual: &[&str]) -> Vec<String> {
     let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     let usual = if is_quick() { &["hall"] } else { usual };

@@ -1,4 +1,4 @@
-//! Where and when figures were taken, and whether they mean anything.
+//! Provenance of figures: adapter, driver, commit, date, and whether they come from a smoke run.
 
 use std::{
     fmt,
@@ -10,18 +10,18 @@ use stereotrace::Gpu;
 
 use super::options::is_quick;
 
-/// What a quick look says wherever its figures are shown.
+/// Text that marks the figures of a smoke run.
 pub const SMOKE: &str = "smoke run: its figures mean nothing";
 
-/// Where and when figures were taken.
+/// Machine, source version and date of a measurement.
 pub struct Provenance {
     pub adapter: String,
     pub driver: String,
-    /// Of the source, or "unknown".
+    /// Commit of the source, or "unknown".
     pub commit: String,
-    /// UTC, as 2012-06-30T23:59:59Z.
+    /// Date and time in UTC, as 2012-06-30T23:59:59Z.
     pub date: String,
-    /// It is a quick look.
+    /// Whether it is a smoke run.
     pub smoke: bool,
 }
 
@@ -40,23 +40,23 @@ impl Provenance {
         }
     }
 
-    /// The date without the time.
+    /// Returns the date without the time.
     pub fn day(&self) -> &str {
         self.date.split('T').next().unwrap_or(&self.date)
     }
 
-    /// What stands below a chart's title.
+    /// Returns the text below a chart's title.
     pub fn source(&self) -> String {
         marked(format!("{}, {}", self.adapter, self.day()), self.smoke)
     }
 }
 
-/// With what a quick look says behind it, if it is one.
+/// Appends the mark of a smoke run, if it is one.
 pub fn marked(source: String, smoke: bool) -> String {
     if smoke { format!("{source} - {}", SMOKE.to_uppercase()) } else { source }
 }
 
-/// What stands above tables.
+/// Formats the text above tables.
 impl fmt::Display for Provenance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
@@ -68,13 +68,13 @@ impl fmt::Display for Provenance {
     }
 }
 
-/// Seconds since 1970 as a date, after Hinnant's `civil_from_days`.
+/// Formats seconds since 1970 as a date, after Hinnant's `civil_from_days`.
 fn utc(seconds: u64) -> String {
     let (days, time) = (seconds / 86_400 + 719_468, seconds % 86_400);
     let (era, day_of_era) = (days / 146_097, days % 146_097);
     let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    // Years begin in March here, so that the leap day is their last.
+    // Years begin in March here, so that the leap day is their last day.
     let march_month = (5 * day_of_year + 2) / 153;
     let day = day_of_year - (153 * march_month + 2) / 5 + 1;
     let month = if march_month < 10 { march_month + 3 } else { march_month - 9 };

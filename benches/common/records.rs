@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-/// Names and values of one measurement; all of a file have the same names.
+/// Names and values of one measurement. All records of a file have the same names.
 pub type Record = Vec<(&'static str, Value)>;
 
 pub fn csv(records: &[Record]) -> String {
@@ -19,7 +19,7 @@ pub fn csv(records: &[Record]) -> String {
     head.chain(rows).map(line).collect()
 }
 
-/// A record a line, its fields in the order of the record.
+/// Formats records as JSON, one per line, with fields in the record's order.
 pub fn json(records: &[Record]) -> String {
     let object = |record: &Record| {
         let fields = record.iter().map(|(name, value)| format!("\"{name}\": {value}"));

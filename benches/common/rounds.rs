@@ -1,6 +1,6 @@
-//! Rounds in which everything that is compared takes its turn.
+//! Rounds in which all compared variants take turns.
 
-/// Median, least and largest of some repeats.
+/// Median, minimum and maximum of repeated measurements.
 #[derive(Clone, Copy)]
 pub struct Spread {
     pub median: f64,
@@ -9,7 +9,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of at least one value.
+    /// Summarises at least one value.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);
@@ -18,14 +18,14 @@ impl Spread {
         Self { median, min: values[0], max: values[values.len() - 1] }
     }
 
-    /// All of it over a number.
+    /// Divides all three values by a number.
     pub fn over(self, divisor: f64) -> Self {
         Self { median: self.median / divisor, min: self.min / divisor, max: self.max / divisor }
     }
 }
 
-/// The order of a round's turns. The first one rotates, and so does who comes after whom: steps of a number that has
-/// no factor in common with `count` visit all of them.
+/// Returns the order of turns in a round. The first turn rotates from round to round, and so does the step between
+/// successive turns. Steps that are coprime to `count` visit every turn once.
 pub fn order(round: usize, count: usize) -> impl Iterator<Item = usize> {
     let coprime =
         |&step: &usize| (2..=step).all(|factor| !step.is_multiple_of(factor) || !count.is_multiple_of(factor));

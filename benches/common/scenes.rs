@@ -1,5 +1,5 @@
-//! The scenes: built-in ones, those of the stability suite, OBJ files unpacked beside the build, and any scene file by
-//! its path.
+//! Scenes by name: built-in scenes, trials of the stability suite, and OBJ files under target/scenes. Any scene file
+//! can be given by its path.
 
 use super::files::root;
 use std::path::{Path, PathBuf};
@@ -11,25 +11,25 @@ use stereotrace::{
     testing::suite::Trial,
 };
 
-/// Names the folder that holds NAME/NAME.obj and cameras.json, in place of target/scenes.
+/// Environment variable with the folder that holds NAME/NAME.obj and cameras.json. The default is target/scenes.
 pub const FOLDER_VARIABLE: &str = "STEREOTRACE_SCENES";
-/// Lights of a scene that has none of its own, placed by the library's rule.
+/// Number of lights in a scene that has none of its own, placed by the library's rule.
 const LIGHTS: usize = 5;
-/// How far the animated spheres have turned in the picture that is measured, radians.
+/// Rotation of the animated spheres in the measured picture, in radians.
 const TURN: f32 = std::f32::consts::FRAC_PI_3;
-/// Columns of the sky that the thesis's scenes get.
+/// Width in pixels of the sky of the thesis's scenes.
 const SKY_WIDTH: u32 = 1024;
 
-/// A scene and the camera that it is measured with.
+/// A scene and its camera.
 pub struct BenchScene {
     pub name: String,
     pub scene: Scene,
     pub camera: StereoCamera,
 }
 
-/// The scene of this name, or that of the file at this path; `None` if there is none of a name. `lights` are placed by
-/// the library's rule; without a number built-in scenes, trials and files keep their own, and files without any get
-/// five. A file is seen by its first camera, and without one so that all of it fits the picture.
+/// Loads the scene of this name, or the scene file at this path. Returns `None` if no scene has the name. A number of
+/// `lights` is placed by the library's rule. Without it scenes keep their own lights, and scenes without any get five.
+/// A file's first camera is used; if it has none, the whole scene fits the picture.
 pub fn load(
     name: &str,
     [width, height]: [u32; 2],
@@ -58,7 +58,7 @@ pub fn load(
     Ok(Some(BenchScene { name: title.into(), scene, camera }))
 }
 
-/// A scene file and a camera that sees it.
+/// Opens a scene file, and returns it with a camera.
 fn open(path: &Path, [width, height]: [u32; 2]) -> Result<(Scene, StereoCamera), Error> {
     let SceneFile { scene, cameras, .. } = SceneFile::open(path, &SceneOptions::default())?;
     let camera = match (cameras.first(), scene.bounds()) {
@@ -69,8 +69,9 @@ fn open(path: &Path, [width, height]: [u32; 2]) -> Result<(Scene, StereoCamera),
     Ok((scene, camera))
 }
 
-/// A scene of the thesis, with camera and lights from scenes/thesis.json and a sky, or `None` if no such file is there.
-/// `spheres-turned` is a picture out of the animation. Another number of lights is placed by the library's rule.
+/// Loads a scene of the thesis with the camera and lights of scenes/thesis.json and a sky. Returns `None` if its file
+/// is missing. `spheres-turned` is one picture of the animation. A given number of `lights` is placed by the library's
+/// rule.
 pub fn load_thesis(
     name: &str,
     [width, height]: [u32; 2],
@@ -98,7 +99,8 @@ pub fn load_thesis(
     Ok(Some(BenchScene { name: name.into(), scene, camera }))
 }
 
-/// What a figure calls a scene: meshes by their own name, where a test's name could pass for a better-known one.
+/// Returns the title of a scene in figures. Meshes have their own names here, since a test's name could suggest a
+/// better-known mesh.
 pub fn title(name: &str) -> &str {
     match name {
         "sponza" => "Dabrovic Sponza",
@@ -118,7 +120,7 @@ fn folder() -> PathBuf {
     }
 }
 
-/// What to say of a scene that is not there.
+/// Returns the message for a scene that was not found.
 pub fn skipped(name: &str) -> String {
     format!(
         "{name}: skipped: scene not found; put {name}/{name}.obj and cameras.json under target/scenes or set \

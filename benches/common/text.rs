@@ -1,6 +1,6 @@
 //! Text for pages and charts.
 
-/// Text for HTML and SVG, in attributes too.
+/// Escapes text for HTML and SVG, including attributes.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in printable(text).chars() {
@@ -16,7 +16,7 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// Control characters, which neither HTML nor SVG may hold, become spaces.
+/// Replaces control characters, which neither HTML nor SVG may contain, by spaces.
 pub fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

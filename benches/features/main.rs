@@ -1,8 +1,9 @@
-//! What each feature costs: off, compiled in but unused, and on; and what more effort at the BVH costs and brings.
+//! Measures the cost of each feature when it is off, compiled in but unused, and on. A second table shows the cost and
+//! benefit of each BVH build quality.
 //!
-//! `cargo bench --bench features` prints both tables. Set `MESA_SHADER_CACHE_DISABLE=true` for the compile times of
-//! Mesa's software driver, which else keeps compiled kernels on disk. Variants of a feature take turns in interleaved
-//! rounds.
+//! `cargo bench --bench features` prints both tables. For the compile times of Mesa's software driver, set
+//! `MESA_SHADER_CACHE_DISABLE=true`; otherwise it caches compiled kernels on disk. The variants of a feature take turns
+//! in interleaved rounds.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -57,15 +58,16 @@ fn features(gpu: &Gpu, size: [u32; 2], rounds: usize) -> Result<(), Box<dyn Erro
     Ok(())
 }
 
-/// What was measured of a variant.
+/// Figures of a variant.
 struct Figures {
-    /// The host's time of the first frame, in which kernels are compiled, and of the quickest later one.
+    /// Host time of the first frame, which includes kernel compilation, and of the fastest later frame, in
+    /// milliseconds.
     first_ms: f64,
     least_ms: f64,
-    /// A view's, in milliseconds.
+    /// Time per view in milliseconds.
     time: Spread,
     scene_bytes: u64,
-    /// Of all intermediate buffers.
+    /// Size of all intermediate buffers.
     pixel_bytes: u64,
 }
 
@@ -85,7 +87,7 @@ fn measure(gpu: &Gpu, variants: &[Variant], rounds: usize) -> Result<Vec<Figures
                 renderer.pair(scene, &variants[turn].camera).options(&variants[turn].options).trace().wait()?;
             let elapsed = start.elapsed().as_secs_f64() * 1e3;
             *least_ms = least_ms.min(elapsed);
-            // Naive traces two eyes alike.
+            // Naive traces both eyes in the same way, so one view takes half of the pair's time.
             let passes = statistics.times.map(|times| times.total().as_secs_f64() * 1e3);
             times.push(0.5 * passes.unwrap_or(elapsed));
             *bytes = statistics.intermediate_bytes;
@@ -99,7 +101,7 @@ fn measure(gpu: &Gpu, variants: &[Variant], rounds: usize) -> Result<Vec<Figures
     Ok(figures.collect())
 }
 
-/// The host's time of a frame without read-back.
+/// Returns the host time of a frame without read-back, in milliseconds.
 fn wall_ms(renderer: &mut Renderer, scene: &UploadedScene, variant: &Variant) -> Result<f64, stereotrace::Error> {
     let start = Instant::now();
     renderer.pair(scene, &variant.camera).options(&variant.options).trace().wait()?;

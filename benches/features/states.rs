@@ -1,4 +1,4 @@
-//! The scenes in which each feature is off, unused and on.
+//! Scenes in which each feature is off, unused or on.
 
 use stereotrace::{
     AmbientOcclusion, Ellipsoid, Finish, GBuffer, Light, Material, MaterialId, Mesh, Method, Options, Plane, Scene,
@@ -6,7 +6,7 @@ use stereotrace::{
     glam::{Mat3, Vec3, Vec3Swizzles},
 };
 
-/// Quads of the terrain a side.
+/// Number of the terrain's quads per side.
 const TERRAIN: u32 = 300;
 
 /// One state of a feature.
@@ -21,7 +21,8 @@ fn of(name: &'static str, scene: Scene, camera: &StereoCamera, options: &Options
     Variant { name, scene, camera: *camera, options: options.clone() }
 }
 
-/// A terrain of 180,000 triangles that all look upwards, so that a light below it reaches none.
+/// Builds a terrain of 180,000 triangles that all face upwards, so a light below it reaches none. The first `smooth`
+/// triangles have vertex normals.
 pub(crate) fn terrain(smooth: u32) -> Scene {
     let side = TERRAIN + 1;
     let height = |x: f32, z: f32| 0.3 * (3.1 * x).sin() * (2.3 * z).cos() + 0.05 * (17.0 * x + 11.0 * z).sin();
@@ -40,7 +41,8 @@ pub(crate) fn terrain(smooth: u32) -> Scene {
     scene
 }
 
-/// The terrain with texture coordinates, of which the first `count` triangles have a material of their own.
+/// Builds the terrain with a separate material on the first `count` triangles. It has texture coordinates if a texture
+/// is given.
 fn with_material(count: usize, texture: Option<Texture>, change: impl Fn(Material) -> Material) -> Scene {
     let plain = terrain(0);
     let mut scene = Scene::new();
@@ -59,7 +61,7 @@ fn with_material(count: usize, texture: Option<Texture>, change: impl Fn(Materia
     scene
 }
 
-/// A picture of 1024x1024 pixels without order.
+/// Returns a picture of 1024x1024 pixels of pseudo-random bytes.
 fn picture() -> Texture {
     let byte = |index: u32| (index.wrapping_mul(747_796_405) >> 22) as u8;
     let pixels = (0..1 << 20).map(|index| [byte(index), byte(index + 1), byte(index + 2), 255]).collect();
@@ -97,13 +99,13 @@ fn with_sky(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Each feature with its states, the first of which is off.
+/// Returns all features with their states. The first state of each is off.
 pub(crate) fn states(size: [u32; 2]) -> Vec<(&'static str, Vec<Variant>)> {
     let rest = surfaces(size).into_iter().chain(many_rays(size)).chain([("planes", planes(size))]).chain(buffers(size));
     geometry_and_light(size).into_iter().chain(rest).collect()
 }
 
-/// A third of the picture is sky.
+/// Returns a camera whose picture is one third sky.
 fn ahead([width, height]: [u32; 2]) -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 1.6, 5.0), Vec3::new(0.0, 0.4, 0.0)).size(width, height)
 }
@@ -112,7 +114,7 @@ fn plain() -> Options {
     Options::new(Method::Naive).g_buffer(GBuffer::None)
 }
 
-/// What asks for more rays than one a pixel and one a light.
+/// Returns the features that trace more than one ray per pixel and light, and ellipsoids.
 fn many_rays(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 4] {
     let plainly = |name, scene| of(name, scene, &ahead(size), &plain());
     let mirrors = |count: u32, height| {
@@ -172,7 +174,7 @@ fn many_rays(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 4] {
     ]
 }
 
-/// Planes, one behind the eye or so many below the terrain.
+/// Returns the states of planes: none, one behind the eye, and one or eight below the terrain.
 fn planes(size: [u32; 2]) -> Vec<Variant> {
     let with = |name, planes: &[Plane]| {
         let mut scene = terrain(0);
@@ -188,7 +190,7 @@ fn planes(size: [u32; 2]) -> Vec<Variant> {
     ]
 }
 
-/// What takes the place of rays.
+/// Returns the features that replace rays.
 fn buffers(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 2] {
     let with = |name, lights: bool, options: &Options| {
         let scene = if lights { with_lights(terrain(0), 4.0, true) } else { terrain(0) };
@@ -208,7 +210,7 @@ fn buffers(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 2] {
     ]
 }
 
-/// The terrain, of whose first `count` triangles every other square of a board is left out.
+/// Builds the terrain with a checkerboard of holes cut out of its first `count` triangles.
 fn cut_out(count: usize) -> Scene {
     let holes = Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 128).expect("colours within 0 to 1");
     let mut scene = with_material(count, Some(holes), |material| material);
@@ -218,7 +220,7 @@ fn cut_out(count: usize) -> Scene {
     scene
 }
 
-/// What surfaces show beside one colour.
+/// Returns the features of surface materials.
 fn surfaces(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 3] {
     const ALL: usize = usize::MAX;
     let plainly = |name, scene| of(name, scene, &ahead(size), &plain());
@@ -255,7 +257,7 @@ fn surfaces(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 3] {
 
 fn geometry_and_light(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 7] {
     let ([width, height], ahead, plain) = (size, ahead(size), plain());
-    // Downwards there is no sky.
+    // This camera looks down and sees no sky.
     let down = StereoCamera::look_at(Vec3::new(0.0, 3.0, 0.1), Vec3::ZERO).size(width, height);
     let plainly = |name, scene| of(name, scene, &ahead, &plain);
     let keeping = |name, kept| of(name, terrain(0), &ahead, &plain.clone().g_buffer(kept));

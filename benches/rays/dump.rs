@@ -6,8 +6,8 @@ use stereotrace::{Scene, output::Batch};
 
 use crate::lists::{Kind, Query};
 
-/// Writes `triangles.f32` (nine numbers a triangle) and, for each kind of ray, `KIND.QUERY.f32` (eight numbers a ray:
-/// origin, direction, `t_min`, `t_max`). Spheres are left out.
+/// Writes `triangles.f32` with nine numbers per triangle. For each kind of ray it writes `KIND.QUERY.f32` with eight
+/// numbers per ray: origin, direction, `t_min`, `t_max`. Spheres are left out.
 pub(crate) fn write(folder: &Path, scene: &Scene, kinds: &[Kind]) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let corners = scene.triangles().iter().flat_map(|triangle| triangle.corners).flat_map(|corner| corner.to_array());

@@ -1,4 +1,4 @@
-//! The rays of each kind that a stereo pair of a scene is made of.
+//! Ray lists of each kind that occurs in rendering a stereo pair.
 
 use stereotrace::testing::random;
 
@@ -10,14 +10,14 @@ use stereotrace::{
 
 use self::random::pcg;
 
-/// What is asked of a ray.
+/// Query of a ray: closest hit or any hit.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Query {
     Closest,
     Any,
 }
 
-/// The rays of one kind, in lists that are traced one after the other.
+/// Rays of one kind, in lists that are traced one after the other.
 pub(crate) struct Kind {
     pub(crate) name: &'static str,
     pub(crate) query: Query,
@@ -30,10 +30,10 @@ impl Kind {
     }
 }
 
-/// A left pixel's hit, by a search that the caller makes.
+/// Caller's closest-hit query, which returns t of each ray.
 pub(crate) type LeftHits<'a> = &'a dyn Fn(&[Ray]) -> Vec<f32>;
 
-/// All kinds. `left_hits` gives the depth of what the left eye's rays hit, infinite for nothing.
+/// Returns all kinds of rays. `left_hits` returns the depths of the left eye's hits, infinite for a miss.
 pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<Kind> {
     let frame = Frame::new(pose);
     let pixels = in_blocks(frame.size());
@@ -52,13 +52,13 @@ pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<
         let ray = |point: &Vec3| Ray::new(from, *point - from).t_max(t_max);
         points.iter().map(ray).collect()
     };
-    // As a method would that knows the right eye's depth to within two percent.
+    // These are the rays of a method that knows the right eye's depth to within two percent.
     let interval = |(direction, depth): (&Vec3, &f32)| {
         let depth = depth.min(FAR);
         Ray::new(right, *direction).t_min(0.98 * depth).t_max(1.02 * depth)
     };
     let scattered = right_directions.iter().enumerate().filter(|(index, _)| pcg(*index as u32).is_multiple_of(10));
-    // Each from its own point into the half space that the eye is in.
+    // Each ray starts at its own point, into the half space that contains the eye.
     let bounced = points.iter().enumerate().map(|(index, point)| {
         let unit = |word: u32| pcg(3 * index as u32 + word) as f32 / u32::MAX as f32 - 0.5;
         let around = Vec3::new(unit(0), unit(1), unit(2));
@@ -87,7 +87,7 @@ pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<
     ]
 }
 
-/// All pixels, by tiles of 8x4 and in them by blocks of 2x2: as the kernels take them.
+/// Returns all pixels in the kernels' order: tiles of 8x4, each divided into blocks of 2x2.
 fn in_blocks([width, height]: [usize; 2]) -> Vec<[usize; 2]> {
     let mut pixels = Vec::with_capacity(width * height);
     for tile_y in (0..height).step_by(4) {

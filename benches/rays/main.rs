@@ -1,8 +1,9 @@
-//! Millions of rays a second, by scene and kind of ray: `cargo bench --bench rays`.
+//! Measures millions of rays per second, by scene and kind of ray: `cargo bench --bench rays`.
 //!
-//! The library's traversal on the adapter beside obvhs's own on all cores, in interleaved rounds whose order rotates;
-//! hits are compared too. Times are those of the tracing alone, ray lists and read-back left out. With `--variants`
-//! every variant of the traversal takes part. `--dump DIR` writes geometry and rays for scripts/embree.py.
+//! The library's traversal on the adapter is compared with obvhs's traversal on all cores. They take turns in
+//! interleaved rounds whose order rotates, and their hits are compared too. Times are of tracing alone, without ray
+//! lists and read-back. `--variants` includes every variant of the traversal. `--dump DIR` writes geometry and rays for
+//! scripts/embree.py.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -25,29 +26,29 @@ use crate::{
     obvhs_tracer::ObvhsTracer,
 };
 
-/// Millions of rays a second, by scene and kind of ray.
+/// Measures millions of rays per second, by scene and kind of ray.
 #[derive(Parser, Debug)]
 #[command(name = "cargo bench --bench rays --")]
 struct Arguments {
-    /// A quick look, not for figures: 64x64, one round, the hall
+    /// Smoke run with meaningless figures: 64x64, one round, the hall
     #[arg(long)]
     smoke: bool,
-    /// Picture size in pixels, the same both ways [default: 1024]
+    /// Width and height of the picture in pixels [default: 1024]
     #[arg(long)]
     size: Option<u32>,
-    /// Rounds that are timed, after one to warm up [default: 7]
+    /// Number of timed rounds, after one warm-up round [default: 7]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: Option<u32>,
-    /// Scenes: built-in ones, or folders of OBJ files [default: hall, `sponza_4x`, dragon]
+    /// Built-in scenes, or folders of OBJ files [default: hall, `sponza_4x`, dragon]
     #[arg(long, value_delimiter = ',')]
     scenes: Vec<String>,
-    /// Every variant of the traversal, not only the adapter's own
+    /// Measure every variant of the traversal, not only the adapter's own
     #[arg(long)]
     variants: bool,
     /// Write each scene's geometry and rays into this folder, for scripts/embree.py
     #[arg(long, value_name = "DIR")]
     dump: Option<PathBuf>,
-    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    /// Passed by cargo when it benchmarks; without it this is a smoke run
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -92,7 +93,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if skipped.len() == names.len() { Err("no scene was measured".into()) } else { Ok(()) }
 }
 
-/// A variant of the traversal at work.
+/// A variant of the traversal, with its renderer.
 struct Device {
     traversal: Traversal,
     renderer: Renderer,
@@ -104,7 +105,7 @@ impl Device {
     }
 }
 
-/// Prints a line for each kind of ray and each variant.
+/// Prints one line for each kind of ray and each variant.
 fn measure(
     bench: &BenchScene,
     devices: &[Device],
@@ -119,7 +120,7 @@ fn measure(
     }
     let uploaded = devices.iter().map(|device| device.renderer.upload(scene).wait()).collect::<Result<Vec<_>, _>>()?;
     for kind in kinds.iter().filter(|kind| kind.rays() > 0) {
-        // obvhs takes shadow rays from the end where it is faster.
+        // Shadow rays are traced by obvhs from either end, and the faster result counts.
         let yardsticks = if kind.name == "shadow" { 2 } else { 1 };
         let mut times: Vec<Vec<f64>> = vec![Vec::new(); devices.len() + yardsticks];
         for round in 0..=rounds {
@@ -159,14 +160,15 @@ fn measure(
     Ok(())
 }
 
-/// t of each ray, or 1 and infinity for hit and not.
+/// Hits as t of each ray. Any-hit queries give 1 for a hit and infinity for a miss.
 type Found = Vec<f32>;
 
 fn as_t(occluded: Vec<bool>) -> Found {
     occluded.into_iter().map(|occluded| if occluded { 1.0 } else { f32::INFINITY }).collect()
 }
 
-/// Seconds and hits on the adapter; without timestamps the seconds are the host's, ray lists and read-back included.
+/// Returns seconds and hits on the adapter. Without timestamps the host's clock counts, which includes ray lists and
+/// read-back.
 fn on_device(renderer: &Renderer, scene: &UploadedScene, kind: &Kind) -> Result<(f64, Found), stereotrace::Error> {
     let (mut seconds, mut found) = (0.0, Vec::new());
     for rays in &kind.lists {
@@ -201,7 +203,7 @@ fn on_host(obvhs: &ObvhsTracer, kind: &Kind, reversed: bool) -> (f64, Found) {
     (start.elapsed().as_secs_f64(), found.concat())
 }
 
-/// Percent of the rays with the same t, to a thousandth of it.
+/// Returns the percentage of rays whose t agrees to one part in a thousand.
 fn same(found: &[f32], expected: &[f32]) -> f64 {
     let close = |(a, b): &(&f32, &f32)| a == b || (*a - *b).abs() < 1e-3 * *a;
     100.0 * found.iter().zip(expected).filter(close).count() as f64 / found.len() as f64

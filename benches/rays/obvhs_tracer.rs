@@ -1,4 +1,4 @@
-//! The yardstick: obvhs's own traversal of its own tree, on all cores.
+//! Reference for comparison: obvhs's own traversal of its own tree, on all cores.
 
 use std::time::Duration;
 
@@ -12,20 +12,20 @@ use obvhs::{
 use rayon::prelude::*;
 use stereotrace::{FAR, Scene, Sphere, glam::Vec3A};
 
-/// Rays of a task.
+/// Number of rays per task.
 const TASK: usize = 1024;
 
-/// A scene as obvhs likes it: primitives in the tree's order, so that a leaf's lie side by side.
+/// A scene in obvhs's layout: primitives are in the tree's order, so that a leaf's primitives are adjacent.
 pub(crate) struct ObvhsTracer {
     tree: Bvh2,
-    /// Spheres leave a gap here.
+    /// Triangles in the tree's order, with default triangles in the places of spheres.
     triangles: Vec<RtTriangle>,
-    /// Triangles leave a gap here; empty if there is no sphere.
+    /// Spheres in the tree's order, with `None` in the places of triangles; empty if there are no spheres.
     spheres: Vec<Option<Sphere>>,
 }
 
 impl ObvhsTracer {
-    /// Built as the library builds its own tree by default.
+    /// Builds the tree as the library builds its own by default.
     pub(crate) fn new(scene: &Scene) -> Self {
         let solid = scene.triangles().iter().filter(|triangle| !triangle.is_degenerate());
         let triangles: Vec<RtTriangle> = solid
@@ -48,7 +48,7 @@ impl ObvhsTracer {
         }
     }
 
-    /// The t of each ray's nearest hit, infinite where there is none.
+    /// Returns t of each ray's closest hit, infinite for a miss.
     pub(crate) fn closest_hits(&self, rays: &[stereotrace::Ray]) -> Vec<f32> {
         let closest = |ray: &stereotrace::Ray| {
             let mut hit = RayHit::none();
@@ -58,12 +58,12 @@ impl ObvhsTracer {
         in_parallel(rays, closest)
     }
 
-    /// Whether each ray hits anything.
+    /// Returns whether each ray hits anything.
     pub(crate) fn any_hits(&self, rays: &[stereotrace::Ray]) -> Vec<bool> {
         in_parallel(rays, |ray| !self.tree.ray_traverse_miss(of(ray), |ray, index| self.intersect(ray, index)))
     }
 
-    /// As [`Self::any_hits`], from the other end of each ray.
+    /// Does the same as [`Self::any_hits`], with rays reversed end to end.
     pub(crate) fn any_hits_reversed(&self, rays: &[stereotrace::Ray]) -> Vec<bool> {
         let any = |ray: &stereotrace::Ray| {
             let end = ray.origin.as_vec3() + ray.direction * ray.t_max;

@@ -1,4 +1,4 @@
-//! The chart: pixels that differ against cost, one point a method and trial.
+//! The chart: pixels that differ against cost, with one point per method and trial.
 
 use std::{cmp::Reverse, error::Error};
 
@@ -15,7 +15,7 @@ use crate::{
 };
 
 pub(crate) fn svg(rows: &[Row], plan: &Plan, provenance: &Provenance) -> Result<String, Box<dyn Error>> {
-    // Each with its method's place; those that failed have no point.
+    // Points with their methods' indices. Methods that failed on a trial have no point.
     let mut points: Vec<(usize, Point)> = rows
         .iter()
         .filter_map(|row| {
@@ -24,7 +24,7 @@ pub(crate) fn svg(rows: &[Row], plan: &Plan, provenance: &Provenance) -> Result<
             Some((method, (figures.second_eye, figures.difference.differing_percent)))
         })
         .collect();
-    // Methods whose pictures and costs are the same share a place: the first one is drawn last.
+    // Methods with equal pictures and costs have the same position. The first method is drawn last.
     points.sort_by_key(|(method, _)| Reverse(*method));
     let [width, height] = plan.size;
     let title = format!("Stability: {} trials, {width}x{height}", plan.trials.len());

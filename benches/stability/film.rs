@@ -1,4 +1,4 @@
-//! The film: spheres that turn once, each frame by every method.
+//! The film: spheres that turn once, with each frame rendered by every method.
 
 use std::f32::consts::TAU;
 
@@ -10,14 +10,14 @@ use stereotrace::{
 
 use crate::{flicker::Flicker, options::Plan};
 
-/// What a method makes of the film.
+/// A method's result for the film.
 pub(crate) struct Film {
     pub(crate) method: Method,
-    /// Percent of the picture, mean of all frames but the first, or why the method has none.
+    /// Percentage of pixels that flicker, averaged over all frames but the first, or the method's error.
     pub(crate) flicker: Result<f64, String>,
 }
 
-/// A film a method.
+/// Renders the film by each method.
 pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Film>, Error> {
     let camera = Builtin::Spheres.camera(plan.size[0], plan.size[1]);
     let mut flickers: Vec<_> = plan.methods.iter().map(|_| Ok(Flicker::default())).collect();

@@ -1,19 +1,19 @@
-//! Flicker: errors that come and go from frame to frame, which an eye notices sooner than errors that stay.
+//! Flicker: errors that come and go from frame to frame. Viewers notice them sooner than lasting errors.
 
-/// Follows a method's errors through a film.
+/// Tracks a method's errors through a film.
 #[derive(Default)]
 pub(crate) struct Flicker {
-    /// Which pixels of the last frame are wrong; empty before the first one.
+    /// Wrong pixels of the previous frame; empty before the first frame.
     wrong: Vec<bool>,
-    /// Sum of the shares that changed, percent.
+    /// Sum of the percentages of pixels that changed.
     sum: f64,
-    /// How many frames had one before them.
+    /// Number of frames that had a previous frame.
     count: usize,
 }
 
 impl Flicker {
-    /// The next frame and its true picture, of the same size as those before. Any difference in 8-bit colour is an
-    /// error; alpha is no colour.
+    /// Adds the next frame and its true picture, of the same size as the previous ones. Any difference in 8-bit colour
+    /// is an error; alpha does not count.
     pub(crate) fn add(&mut self, picture: &[[u8; 4]], truth: &[[u8; 4]]) {
         let wrong: Vec<bool> = picture.iter().zip(truth).map(|(a, b)| a[..3] != b[..3]).collect();
         if !self.wrong.is_empty() {
@@ -24,8 +24,8 @@ impl Flicker {
         self.wrong = wrong;
     }
 
-    /// The pixels that are wrong in exactly one of two successive frames: percent of the picture, mean of all frames
-    /// but the first. `None` before the second frame.
+    /// Returns the percentage of pixels that are wrong in exactly one of two successive frames, averaged over all
+    /// frames but the first. Returns `None` before the second frame.
     pub(crate) fn percent(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum / self.count as f64)
     }

@@ -1,9 +1,10 @@
-//! Tries the methods on scenes that are hard on them, and on a film: `cargo bench --bench stability`.
+//! Tests the methods on hard scenes and on a film: `cargo bench --bench stability`.
 //!
-//! Everything is counted, nothing timed, so that any machine will do. Prints two tables in Markdown: cost and accuracy
-//! on every trial, and how much of the picture flickers in the film of turning spheres. Writes the first one as
-//! `results.csv` and `results.json`, the second one as `flicker.csv`, and `stability.svg`, whole or not at all.
-//! `cargo bench --bench stability -- --help` lists the options; `cargo test --benches` runs it as `--smoke`.
+//! Everything is counted and nothing is timed, so any machine will do. Two tables are printed in Markdown. The first
+//! has cost and accuracy on every trial, and is written as `results.csv` and `results.json`. The second has the flicker
+//! in the film of turning spheres, and is written as `flicker.csv`. The chart is `stability.svg`. The files are written
+//! all together or not at all. `cargo bench --bench stability -- --help` lists the options; `cargo test --benches` runs
+//! it as `--smoke`.
 
 mod chart;
 #[path = "../common/mod.rs"]

@@ -1,4 +1,4 @@
-//! The command line, and the plan that it makes.
+//! The command line, and the plan made from it.
 
 use std::path::PathBuf;
 
@@ -7,43 +7,43 @@ use stereotrace::{Method, testing::suite::Trial};
 
 use crate::common::options::size;
 
-/// Tries the methods on scenes that are hard on them, and on a film.
+/// Tests the methods on hard scenes and on a film.
 #[derive(Parser, Debug)]
 #[command(name = "cargo bench --bench stability --")]
 pub(crate) struct Options {
-    /// A quick look, not for figures: 48x48, three trials, four frames, into target/bench-smoke/stability
+    /// Smoke run with meaningless figures: 48x48, three trials, four frames, into target/bench-smoke/stability
     #[arg(long)]
     smoke: bool,
-    /// Picture size in pixels; the distance between the eyes goes with its width [default: 300x300]
+    /// Picture size in pixels; the interaxial is proportional to its width [default: 300x300]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
     /// Trials [default: all]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     trials: Vec<Trial>,
-    /// Methods [default: all that have a name, but naive, which the others are held against, and ideal]
+    /// Methods [default: all named ones except naive, which is the reference, and ideal]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     methods: Vec<Method>,
-    /// Frames in which the film's spheres turn once [default: 60]
+    /// Number of frames in one turn of the film's spheres [default: 60]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
     frames: Option<u32>,
-    /// Trials with mirrors and lights that are balls, and 4 samples a pixel
+    /// Use trials with mirrors and spherical lights, and 4 samples per pixel
     #[arg(long)]
     rich: bool,
-    /// Where the results go [default: target/bench/stability]
+    /// Folder for the results [default: target/bench/stability]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    /// Passed by cargo when it benchmarks; without it this is a smoke run
     #[arg(long, hide = true)]
     bench: bool,
 }
 
-/// What is tried.
+/// Settings of the benchmark.
 pub(crate) struct Plan {
     pub(crate) size: [u32; 2],
     pub(crate) trials: Vec<Trial>,
     pub(crate) methods: Vec<Method>,
     pub(crate) frames: u32,
-    /// With what makes pictures dear.
+    /// Whether trials have expensive materials, lights and samples.
     pub(crate) rich: bool,
 }
 
@@ -69,7 +69,7 @@ impl Options {
         }
     }
 
-    /// Where the results go.
+    /// Returns the folder for the results.
     pub(crate) fn folder(&self) -> PathBuf {
         let target = crate::common::files::root().join("target");
         let standard = target.join(if self.quick() { "bench-smoke/stability" } else { "bench/stability" });

@@ -1,4 +1,4 @@
-//! The files that are written: results.csv, results.json, flicker.csv and stability.svg.
+//! The result files: results.csv, results.json, flicker.csv and stability.svg.
 
 use std::{
     error::Error,
@@ -19,7 +19,7 @@ use crate::{
     trials::{Figures, Row},
 };
 
-/// Writes the files and returns their paths. All are made before the first is written.
+/// Writes the files and returns their paths. All contents are made before the first file is written.
 pub(crate) fn write_all(
     folder: &Path,
     rows: &[Row],
@@ -53,7 +53,7 @@ fn of_row(row: &Row, plan: &Plan, provenance: &Provenance) -> Record {
         ("surface", figure(|figures| figures.difference.surface_percent)),
         ("identical_of_surfaces", figure(|figures| figures.difference.identical_of_surfaces_percent)),
         ("wrong_of_surfaces", figure(|figures| figures.difference.wrong_of_surfaces_percent)),
-        ("psnr", figure(|figures| figures.difference.psnr)), // null where infinite: the pictures are the same
+        ("psnr", figure(|figures| figures.difference.psnr)), // null if infinite: the pictures are equal
         ("error", json!(row.figures.as_ref().err())),
     ];
     record.extend(origin(provenance));

@@ -1,10 +1,10 @@
-//! The tables that are printed, in Markdown.
+//! The printed tables, in Markdown.
 
 use std::fmt::Write;
 
 use crate::{common::provenance::Provenance, film::Film, options::Plan, trials::Row};
 
-/// Cost and accuracy, a row a trial and method.
+/// Formats cost and accuracy, one row per trial and method.
 pub(crate) fn of_trials(rows: &[Row], plan: &Plan, provenance: &Provenance) -> String {
     let [width, height] = plan.size;
     let mut text = format!(
@@ -18,7 +18,7 @@ pub(crate) fn of_trials(rows: &[Row], plan: &Plan, provenance: &Provenance) -> S
              is hard |\n|---|---|---|---|---|---|---|---|---|---|\n";
     let mut last = None;
     for row in rows {
-        // Said once a trial.
+        // The reason is printed once per trial.
         let reason = if last == Some(row.trial) { "" } else { row.trial.reason() };
         last = Some(row.trial);
         let figures = match &row.figures {
@@ -39,7 +39,7 @@ pub(crate) fn of_trials(rows: &[Row], plan: &Plan, provenance: &Provenance) -> S
     text
 }
 
-/// Flicker, a row a method.
+/// Formats the flicker, one row per method.
 pub(crate) fn of_films(films: &[Film], plan: &Plan) -> String {
     let [width, height] = plan.size;
     let mut text = format!(
@@ -57,7 +57,7 @@ pub(crate) fn of_films(films: &[Film], plan: &Plan) -> String {
     text
 }
 
-/// An error in a table's cell.
+/// Formats an error for a table's cell.
 fn cell(error: &str) -> String {
     error.replace('|', "/").replace('\n', " ")
 }

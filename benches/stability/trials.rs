@@ -1,4 +1,4 @@
-//! What each method makes of a trial.
+//! Measures the methods on a trial.
 
 use stereotrace::{
     Method, Options, Renderer, StereoPair, UploadedScene,
@@ -9,25 +9,25 @@ use stereotrace::{
 
 use crate::options::Plan;
 
-/// A method on a trial.
+/// A method's result on a trial.
 pub(crate) struct Row {
     pub(crate) trial: Trial,
     pub(crate) method: Method,
-    /// Or why the method has none.
+    /// The figures, or the method's error.
     pub(crate) figures: Result<Figures, String>,
 }
 
-/// Cost by counters, accuracy against naive.
+/// Cost by counters, and accuracy against naive.
 pub(crate) struct Figures {
-    /// The right view's cost, the left one's = 1.
+    /// Cost of the right view, relative to the left view.
     pub(crate) second_eye: f64,
-    /// The pair's cost, naive's = 1.
+    /// Cost of the pair, relative to naive's pair.
     pub(crate) of_naive: f64,
-    /// The right view against naive's.
+    /// Difference of the right view from naive's.
     pub(crate) difference: Difference,
 }
 
-/// A row a method. What can't be rendered is said in the rows.
+/// Measures each method on a trial. Rendering errors are stored in the rows.
 pub(crate) fn measure(renderer: &mut Renderer, trial: Trial, plan: &Plan) -> Vec<Row> {
     let camera = trial.camera(plan.size[0], plan.size[1]);
     let scene = if plan.rich { trial.rich_scene() } else { trial.scene() };
@@ -52,7 +52,7 @@ pub(crate) fn measure(renderer: &mut Renderer, trial: Trial, plan: &Plan) -> Vec
     plan.methods.iter().zip(figures).map(|(&method, figures)| Row { trial, method, figures }).collect()
 }
 
-/// Of both eyes, by counters.
+/// Returns the cost of both eyes, by counters.
 fn cost(pair: &StereoPair) -> f64 {
     (pair.statistics.left.cost() + pair.statistics.right.cost()) as f64
 }

@@ -1,5 +1,5 @@
-//! The chart: accuracy, by colours and by surfaces, against cost; one point a method and scene, with the frontier of
-//! the methods' means.
+//! The chart: accuracy by colours and by surfaces against cost, with one point per method and scene. A line shows the
+//! frontier of the methods' means.
 
 use std::error::Error;
 
@@ -13,16 +13,16 @@ use crate::common::{
     provenance::Provenance,
 };
 
-/// Two panels, one above the other.
+/// Size of the chart, which has two panels, one above the other.
 const SIZE: (u32, u32) = (WIDTH, 960);
-/// Pixels from method to method in the row of zero.
+/// Distance between methods in the row of zero, in pixels.
 const ZERO_STEP: i32 = 10;
 const COST: &str = "cost of the second eye by time (first eye = 1)";
 
-/// A figure that is an error, in percent.
+/// An error in percent.
 type Percent = fn(&Difference) -> f64;
 
-/// A method on a scene: where it stands, and least and most of its cost over the rounds.
+/// A method on a scene: its point, and its minimum and maximum cost over the rounds.
 #[derive(Clone, Copy)]
 struct Placed {
     point: Point,
@@ -58,15 +58,15 @@ pub(crate) fn svg(measured: &[Measured], plan: &Plan, provenance: &Provenance) -
     })
 }
 
-/// `scenes` by scene and method.
+/// Draws a panel. `scenes` holds the methods of each scene.
 fn draw(root: &Area<'_>, panel: &Panel<'_>, scenes: &[Vec<Placed>], looks: &[usize]) -> Drawn {
     let points: Vec<Vec<Point>> =
         scenes.iter().map(|scene| scene.iter().map(|placed| placed.point).collect()).collect();
     let means = means(&points);
-    // Ends of bars have no error of their own; a mean can lie below all errors but zero.
+    // The axes must include the bars' ends and the means, since a mean can be below all nonzero errors.
     let ends = scenes.iter().flatten().map(|placed| (placed.costs[1], placed.point.1));
     let place = axes(root, &ends.chain(means.iter().copied()).collect::<Vec<_>>(), panel)?;
-    // In the row of zero methods would hide each other: they stand one below the other there.
+    // In the row of zero the methods would hide each other, so each has its own height there.
     let exact: Vec<usize> =
         (0..means.len()).filter(|&method| points.iter().any(|scene| scene[method].1 <= 0.0)).collect();
     let place = |method: usize, point: Point| {
@@ -91,7 +91,7 @@ fn draw(root: &Area<'_>, panel: &Panel<'_>, scenes: &[Vec<Placed>], looks: &[usi
     Ok(())
 }
 
-/// Mean point of each method over the scenes.
+/// Returns the mean point of each method over the scenes.
 fn means(points: &[Vec<Point>]) -> Vec<Point> {
     let methods = points.first().map_or(0, Vec::len);
     let mean = |method: usize, part: fn(Point) -> f64| {

@@ -1,8 +1,9 @@
 //! Compares the methods in time, accuracy and counted work, scene by scene: `cargo bench --bench stereo`.
 //!
-//! Times are those of the passes alone (no upload, no read-back); all methods take turns in one run, in an order that
-//! rotates from round to round. Prints tables and writes `results.csv`, `results.json` and `chart.svg`, whole or not
-//! at all. `cargo bench --bench stereo -- --help` lists the options; `cargo test --benches` runs it as `--smoke`.
+//! Times are of the passes alone, without upload and read-back. All methods take turns in one run, in an order that
+//! rotates from round to round. Tables are printed, and `results.csv`, `results.json` and `chart.svg` are written all
+//! together or not at all. `cargo bench --bench stereo -- --help` lists the options; `cargo test --benches` runs it as
+//! `--smoke`.
 
 mod chart;
 #[path = "../common/mod.rs"]

@@ -1,4 +1,4 @@
-//! The command line, and the plan that it makes.
+//! The command line, and the plan made from it.
 
 use std::path::PathBuf;
 
@@ -7,39 +7,39 @@ use stereotrace::Method;
 
 use crate::common::{measure::Plan, options::size};
 
-/// The scenes of the table: built-in ones, and what is worth having of the files.
+/// Default scenes: built-in ones and two of the OBJ files.
 const SCENES: [&str; 8] = ["spheres", "hall", "fence", "hidden", "near", "grazing", "sponza_4x", "dragon"];
 
 /// Compares the methods in time, accuracy and counted work.
 #[derive(Parser, Debug)]
 #[command(name = "cargo bench --bench stereo --")]
 pub(crate) struct Options {
-    /// A quick look, not for figures: 128x128, two rounds, two built-in scenes, into target/bench-smoke
+    /// Smoke run with meaningless figures: 128x128, two rounds, two built-in scenes, into target/bench-smoke
     #[arg(long)]
     smoke: bool,
     /// Picture size in pixels [default: 600x600]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// Distance between the eyes in pixels [default: 15 of 600]
+    /// Interaxial in pixels [default: 15 of 600]
     #[arg(long, value_name = "PX")]
     e: Option<f32>,
     /// Place this many lights by the library's rule [default: built-in scenes keep their own five, files get five]
     #[arg(long, value_name = "N")]
     lights: Option<usize>,
-    /// Rounds that are timed, after two to warm up [default: 7]
+    /// Number of timed rounds, after two warm-up rounds [default: 7]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     rounds: Option<u32>,
-    /// Scenes: built-in ones, folders of OBJ files, or paths of .obj, .gltf, .glb or .ply files [default: six built-in
-    /// ones, `sponza_4x`, dragon]
+    /// Built-in scenes, folders of OBJ files, or paths of .obj, .gltf, .glb or .ply files [default: six built-in ones,
+    /// `sponza_4x`, dragon]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     scenes: Vec<String>,
-    /// Methods; naive and ideal are always among them [default: atomic, es-isler, bracket, verified]
+    /// Methods besides naive and ideal, which are always included [default: atomic, es-isler, bracket, verified]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     methods: Vec<Method>,
-    /// Where the results go [default: target/bench/stereo]
+    /// Folder for the results [default: target/bench/stereo]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    /// Passed by cargo when it benchmarks; without it this is a smoke run
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -73,7 +73,7 @@ impl Options {
         }
     }
 
-    /// Where the results go.
+    /// Returns the folder for the results.
     pub(crate) fn folder(&self) -> PathBuf {
         let target = crate::common::files::root().join("target");
         let standard = target.join(if self.quick() { "bench-smoke" } else { "bench/stereo" });

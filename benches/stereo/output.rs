@@ -1,4 +1,4 @@
-//! The files that are written: results.csv, results.json and chart.svg.
+//! The result files: results.csv, results.json and chart.svg.
 
 use std::{
     error::Error,
@@ -17,7 +17,7 @@ use crate::{
     },
 };
 
-/// Writes the three files and returns their paths. All are made before the first is written.
+/// Writes the three files and returns their paths. All contents are made before the first file is written.
 pub(crate) fn write_all(
     folder: &Path,
     measured: &[Measured],
@@ -36,7 +36,7 @@ pub(crate) fn write_all(
     save(&files.map(|(name, text)| (name.to_owned(), text)), folder)
 }
 
-/// One method on one scene. Counts and rays are of both eyes.
+/// Returns the record of one method on one scene. Counts and rays are of both eyes.
 fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &Provenance) -> Record {
     let (statistics, difference) = (&figures.statistics, &figures.difference);
     let (left, right) = (&statistics.left, &statistics.right);
@@ -71,7 +71,7 @@ fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &P
         ("wrong_of_surfaces", json!(difference.wrong_of_surfaces_percent)),
         ("mean_difference", json!(difference.mean_difference)),
         ("mse", json!(difference.mse)),
-        ("psnr", json!(difference.psnr)), // null where infinite: the pictures are the same
+        ("psnr", json!(difference.psnr)), // null if infinite: the pictures are equal
         ("rays_primary", json!(left.rays.primary + right.rays.primary)),
         ("rays_verification", json!(left.rays.verification + right.rays.verification)),
         ("rays_shadow", json!(left.rays.shadow + right.rays.shadow)),
@@ -90,7 +90,7 @@ fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &P
     ]
 }
 
-/// As `trace_left 12.3; reproject 0.4`.
+/// Formats the passes as `trace_left 12.3; reproject 0.4`.
 fn passes(figures: &MethodFigures) -> String {
     figures.passes.iter().map(|(name, ms)| format!("{name} {ms:.3}")).collect::<Vec<_>>().join("; ")
 }

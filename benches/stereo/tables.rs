@@ -1,4 +1,4 @@
-//! The tables that are printed.
+//! The printed tables.
 
 use std::fmt::Write;
 
@@ -8,7 +8,7 @@ use crate::common::{
     scenes,
 };
 
-/// A scene's tables: time, accuracy and counted work.
+/// Formats a scene's tables: time, accuracy, counted work, and passes.
 pub(crate) fn of(measured: &Measured, plan: &Plan, provenance: &Provenance) -> String {
     let [width, height] = plan.size;
     let mut text = format!("## {}\n\n", scenes::title(&measured.scene));
@@ -30,7 +30,8 @@ pub(crate) fn of(measured: &Measured, plan: &Plan, provenance: &Provenance) -> S
     text
 }
 
-/// Second eye: (pair - left) / left, by time and as counted. Predicted: the speed-up that the counters promise.
+/// Formats the times. The second eye's cost is (pair - left) / left, by time and by counters. "Predicted" is the
+/// speed-up that the counters predict.
 fn time(measured: &Measured) -> String {
     let head = [
         "time",
@@ -48,7 +49,7 @@ fn time(measured: &Measured) -> String {
     ];
     table(measured, head, |figures| {
         let (speed_up, predicted) = (figures.speed_up, figures.speed_up_predicted());
-        // Naive is what the others are held against; its own prediction is noise about 0.
+        // Naive is the reference; its own prediction is noise about 0.
         let share = if predicted > 0.05 { format!("{:.2}", speed_up / predicted) } else { "-".into() };
         [
             figures.method.to_string(),
@@ -67,7 +68,8 @@ fn time(measured: &Measured) -> String {
     })
 }
 
-/// The right view against naive's; of surfaces: of the pixels in which either view shows one.
+/// Formats the right view's difference from naive's. "Of surfaces" means of the pixels in which either view shows a
+/// surface.
 fn accuracy(measured: &Measured) -> String {
     let head = [
         "accuracy",
@@ -94,7 +96,7 @@ fn accuracy(measured: &Measured) -> String {
     })
 }
 
-/// Counts of both eyes, which no machine changes.
+/// Formats the counts of both eyes, which are the same on every machine.
 fn work(measured: &Measured, plan: &Plan) -> String {
     let head = [
         "counts",
@@ -129,7 +131,7 @@ fn work(measured: &Measured, plan: &Plan) -> String {
     })
 }
 
-/// Each pass's time, and what it is a pixel.
+/// Formats the time of each pass, in total and per pixel.
 fn passes(measured: &Measured, plan: &Plan) -> String {
     let pixels = f64::from(plan.size[0]) * f64::from(plan.size[1]);
     let mut text = "passes, ms (ns a pixel)\n".to_owned();
@@ -141,7 +143,7 @@ fn passes(measured: &Measured, plan: &Plan) -> String {
     text
 }
 
-/// A row a method, columns as wide as they need to be.
+/// Formats one row per method, with columns as wide as needed.
 fn table<const N: usize>(measured: &Measured, head: [&str; N], row: impl Fn(&MethodFigures) -> [String; N]) -> String {
     let mut rows = vec![head.map(String::from)];
     rows.extend(measured.methods.iter().map(row));
@@ -160,7 +162,7 @@ fn table<const N: usize>(measured: &Measured, head: [&str; N], row: impl Fn(&Met
     text
 }
 
-/// 1234567 as 1,234,567.
+/// Formats 1234567 as 1,234,567.
 fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();

@@ -1,12 +1,12 @@
 // Pass 2 of 3 of `bracket`: computes the depth bound of each tile of the target view by atomic maximum
 // (docs/BRACKET.md, "The tile bound"). A target ray may pass between two neighbouring samples. So a sample's depth
-// counts from one pixel before the previous sample's landing position to one pixel behind its own. In a gap between the
+// counts from one pixel before the previous sample's landing position to one pixel after its own. In a gap between the
 // two, the larger depth counts. Samples that hit nothing land too, and their tiles have no bound.
 //
 // launch  one thread per run of TILE pixels of a row of the source, in the order of a sweep
 // reads   source    [height * width]
 // writes  bounds    [tiles, BOUND_WORDS]  bits of the largest depth; cleared by the host
-// adds    counters  [height * COUNTERS] the target's pixels in gaps
+// adds    counters  [height * COUNTERS]  GAP_PIXELS: pixels of the target in gaps
 
 //! use camera, counters, frame, pixels, tiles, wanted
 
@@ -15,7 +15,7 @@ var<storage, read_write> bounds: array<atomic<u32>>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 const NO_TILE: u32 = 0xffffffffu;
-// Landing position of a sample that was left out. No gap opens behind it.
+// Landing position of a sample that was left out. No gap opens after it.
 const NOWHERE: f32 = 3.0e38;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
@@ -27,12 +27,12 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
     let end = min(begin + TILE, width);
     let first_tile = row / TILE * tiles_across();
     let first_pixel = row * width;
-    // There are gaps before the first sample and behind the last one too.
+    // There are gaps before the first sample and after the last one too.
     let before = in_sweep(max(begin, 1u) - 1u);
     var depth_before = source[first_pixel + before].depth;
     var x_before = select(landed_at(before, depth_before), 0.0, begin == 0u);
     if is_left_out(depth_before) { x_before = NOWHERE; }
-    // Neighbours mostly land in one tile. One atomic per sample would be eight times as many.
+    // Neighbours usually land in one tile. One atomic operation per sample would be eight times as many.
     var tile = NO_TILE;
     var deepest = 0.0;
     var unseen = 0u;
@@ -72,7 +72,7 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
     if unseen > 0u { atomicAdd(&counters[row * COUNTERS + GAP_PIXELS], unseen); }
 }
 
-// Returns the landing position of a sample, counted from the begin of the sweep. The position is clamped, since near z
+// Returns the landing position of a sample, measured from the begin of the sweep. The position is clamped, since near z
 // = 0 it does not fit an integer.
 fn landed_at(column: u32, depth: f32) -> f32 {
     let width = f32(frame.band.size.x);

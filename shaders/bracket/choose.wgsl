@@ -1,10 +1,10 @@
-// Runs for `Auto` between two steps of `bracket`. Decides whether a band of the target view costs less by `bracket` or
-// by ray tracing. The cost model is in src/methods/auto.rs.
+// Runs for `Auto` between two steps of `bracket`. It decides whether a band of the target view is cheaper by `bracket`
+// or by ray tracing. The cost model is in src/methods/auto.rs.
 //
 // launch  one workgroup
 // reads   source_counters  [rows * COUNTERS]  SHADOW_RAYS and OWN_SHADOW_RAYS
 // updates counters         [rows * COUNTERS]  reads GAP_PIXELS, writes CHOSEN of the band's first row
-// updates lists            heads TO_SEARCH and ALL_TRACED: the one that is not chosen launches nothing
+// updates lists            heads TO_SEARCH and ALL_TRACED: the rejected one launches nothing
 
 //! use counters, frame, lists, pixels
 
@@ -22,7 +22,7 @@ fn choose(@builtin(local_invocation_index) thread: u32) {
     var shadow = 0.0;
     var gaps = 0.0;
     for (var row = frame.band.row_begin + thread; row < frame.band.row_end; row += LIST_WORKGROUP) {
-        // Shadow rays from mirrored surfaces are not reused by either method, so they are subtracted.
+        // Neither method reuses shadow rays from mirrored surfaces, so they are subtracted.
         let words = row * COUNTERS;
         shadow += f32(source_counters[words + SHADOW_RAYS] - source_counters[words + OWN_SHADOW_RAYS]);
         gaps += f32(counters[row * COUNTERS + GAP_PIXELS]);

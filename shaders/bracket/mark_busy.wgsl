@@ -1,21 +1,20 @@
-// Pass 2 of 3 of `bracket` where shadow bits are reused, second part: marks busy lights (docs/BRACKET.md). A light is
-// busy where its shadows are so narrow that the two samples beside a point do not determine the visibility between
-// them.
+// Pass 2 of 3 of `bracket` if shadow bits are reused, second part: marks busy lights (docs/BRACKET.md). A light is busy
+// where its shadows are very narrow. There the two samples beside a point do not determine the visibility between them.
 //
-// A sample is busy for a light if its bit differs from samples on both sides of it in its row. Such a sample lies in a
-// shadow, or in a strip of light, about as narrow as the distance between samples. Samples of other rows may miss that
-// strip. So if the sample is on a flat surface, tiles around its landing position reuse no bit of that light. Samples
-// on other surfaces lie in narrow shadows of their own.
+// A sample is busy for a light if its bit differs from samples on both sides of it in its row. The sample then lies in
+// a shadow, or in a strip of light, about as narrow as the distance between samples. Samples of other rows may miss
+// that strip. So if the sample is on a flat surface, tiles around its landing position reuse no bit of that light. Busy
+// samples on other surfaces lie in narrow shadows of their own.
 //
 // launch  one thread per run of BUSY_RUN pixels of a row of the source
 // reads   source_samples  texture
-// adds    bounds          [tiles, BOUND_WORDS]  a bit for each busy light, from bit 16 on for each busy share
+// adds    bounds          [tiles, BOUND_WORDS]  one bit per busy light, and from bit 16 on one per busy share
 
 //! use bits, camera, frame, pixels, source_samples, tiles
 
 var<storage, read_write> bounds: array<atomic<u32>>;
 
-// Distances on either side within which tiles are marked, in pixels. REACH_OF_SHADOW is for a shadowed sample whose
+// Distances on both sides within which tiles are marked, in pixels. REACH_OF_SHADOW is for a shadowed sample whose
 // surface is flat for two samples on both sides. REACH_OF_LIGHT is for any busy sample whose surface is flat for one
 // sample on both sides.
 const REACH_OF_SHADOW: f32 = 32.0;
@@ -67,7 +66,7 @@ fn samples_around(row: u32, column: u32) -> Samples {
     );
 }
 
-// The lights that a sample is busy for, and the subset whose shadow contains the sample.
+// The lights for which a sample is busy, and the subset whose shadow contains the sample.
 struct Busy {
     all: u32,
     dark: u32,
@@ -82,7 +81,7 @@ fn busy_lights(s: Samples) -> Busy {
     return Busy(all | dark_shares | busy_shares(s, true), dark | dark_shares);
 }
 
-// Marks the tiles around the place where a sample lands.
+// Marks the tiles around the landing position of a sample.
 fn mark(row: u32, column: u32) {
     let samples = samples_around(row, column);
     if !is_flat(samples.before, samples.here, samples.after, 1.0) { return; }
@@ -129,8 +128,8 @@ fn mark_tiles(row: u32, x: f32, reach: f32, busy: u32) {
     }
 }
 
-// Returns a bit, from 16 on, for each busy share. Without `lit` a share of at most half is busy between samples that
-// see all of the source. With `lit` a share of at least half is busy between samples that see nothing of it.
+// Returns one bit, from 16 on, for each busy share. Without `lit`, a share of at most half is busy between samples that
+// see all of the source. With `lit`, a share of at least half is busy between samples that see none of it.
 fn busy_shares(s: Samples, lit: bool) -> u32 {
     let beside = select(ALL_OPEN, 0u, lit);
     var busy = 0u;

@@ -1,10 +1,10 @@
 // Pass 3 of 3 of `bracket`, second part: intersects target rays with the primitives that search_tiles listed for them,
-// by the same function as traversal. A nearest hit within the bound is exact, since all nearer ones are listed too. A
-// wrong bound affects the cost only. Pixels without a bound, or whose hit lies deeper, are listed to be traced.
+// by the same function as traversal. A nearest hit within the bound is exact, since all nearer primitives are listed
+// too. A wrong bound affects the cost only. Pixels without a bound, or with a deeper hit, are listed to be traced.
 //
-// launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
-// reads   lists        [tiles of the rows at work, TILE_WORDS] behind the lists
-// writes  view         [height * width]      all but color; of an unfinished pixel the depth up to which nothing is
+// launch  one thread per block of 1x1 or 2x2 pixels of each listed tile, dispatched indirectly
+// reads   lists        [tiles of the current rows, TILE_WORDS] after the lists
+// writes  view         [height * width]      all fields except color; of unfinished pixels depth, where the ray begins
 // adds    counters     [height * COUNTERS]
 // appends lists        TO_TRACE; reads TO_RESOLVE
 
@@ -14,7 +14,7 @@ var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> lists: Lists;
 
-// Unfinished pixels are traced from slightly before the bound, because of rounding.
+// Because of rounding, unfinished pixels are traced from slightly before the bound.
 const BEFORE: f32 = 0.9999;
 
 @compute @workgroup_size(LIST_WORKGROUP)
@@ -27,7 +27,7 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     let tile = found_in_tile(first);
     let list = block_list(tile, block_of(first));
     let listed = lists.entries[list];
-    // Pixels whose list overflowed are traced, as without a bound.
+    // Pixels whose list overflowed are traced, like pixels without a bound.
     let fits = listed <= LIST_MOST;
     let bound = select(0.0, bitcast<f32>(lists.entries[tile]), fits);
     let rays = rays_of(pixels);

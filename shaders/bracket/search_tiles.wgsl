@@ -1,12 +1,12 @@
-// Pass 3 of 3 of `bracket`, first part: one query of the BVH for each tile of target pixels (docs/BRACKET.md). The
-// tile's frustum is searched as deep as the source samples that land there. Each of its blocks of 2x2 pixels gets a
-// list of the primitives that may cover a pixel's centre in it.
+// Pass 3 of 3 of `bracket`, first part: one BVH query for each tile of target pixels (docs/BRACKET.md). The tile's
+// frustum is searched as deep as the source samples that land there. Each of its blocks of 2x2 pixels gets a list of
+// the primitives that may cover one of its pixel centres.
 //
 // launch  one thread per tile
-// reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the lights that are busy
+// reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the busy lights
 // adds    counters  [height * COUNTERS]
-// writes  lists     [tiles of the rows at work, TILE_WORDS] behind the lists
-// appends lists     TO_RESOLVE, SKY: tiles of the rows at work
+// writes  lists     [tiles of the current rows, TILE_WORDS] after the lists
+// appends lists     TO_RESOLVE, SKY: tiles of the current rows
 
 //! use counters, frame, lane, lists, pixels, planes, primitive, projection, search, tiles, wanted
 
@@ -14,8 +14,9 @@ var<storage, read> bounds: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> lists: Lists;
 
-// Maximum number of boxes and primitives that a tile tests. A tile that needs more is traced, which is cheaper: its
-// lists would overflow anyhow. This also keeps a thread far below the rounds after which a software adapter ends loops.
+// Maximum number of boxes and primitives that a tile tests. If a tile needs more, its pixels are traced. That is
+// cheaper, since its lists would overflow anyway. The limit also keeps a thread far below the number of rounds after
+// which a software adapter ends loops.
 const MOST_STEPS: u32 = 1024u;
 
 // Number of boxes and primitives tested.
@@ -62,13 +63,13 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
     let covered = covered_pixels(primitive, projection, tile);
     let blocks = covered_blocks(covered) & blocks_within_edges(primitive, tile);
     let sides = vec4u(covered) << vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
-    // The entry is written even if the primitive is not kept: entries behind the end do not count.
+    // The entry is written even if the primitive is not kept, since entries beyond the end are ignored.
     covering[kept] = Covering(slot, blocks | (sides.x | sides.y) | (sides.z | sides.w));
     kept += select(0u, 1u, blocks != 0u);
 }
 
-// Lists the kept primitives, one block of one primitive per round. So threads of a subgroup wait least for each other,
-// whether their primitives cover few blocks or many.
+// Lists the kept primitives, one block of one primitive per round. So the threads of a subgroup wait little for each
+// other, whether their primitives cover few blocks or many.
 fn list_kept(found: u32) {
     var index = 0u;
     var next = covering[0];

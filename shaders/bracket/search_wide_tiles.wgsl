@@ -1,12 +1,12 @@
-// Searches the BVH like search_tiles.wgsl, for several samples a pixel: one query serves 16x16 samples, which are four
-// tiles. Neighbouring samples mostly see the same primitives. Each primitive is projected once and then narrowed to the
-// blocks of each tile that it may cover.
+// Searches the BVH like search_tiles.wgsl, for several samples per pixel. One query serves 16x16 samples, which are
+// four tiles. Neighbouring samples usually see the same primitives. Each primitive is projected once and then narrowed
+// to the blocks of each tile that it may cover.
 //
 // launch  one thread per four tiles
-// reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the lights that are busy
+// reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the busy lights
 // adds    counters  [height * COUNTERS]
-// writes  lists     [tiles of the rows at work, TILE_WORDS] behind the lists
-// appends lists     TO_RESOLVE, SKY: tiles of the rows at work
+// writes  lists     [tiles of the current rows, TILE_WORDS] after the lists
+// appends lists     TO_RESOLVE, SKY: tiles of the current rows
 
 //! use boxes, counters, frame, lane, lists, pixels, planes, primitive, projection, search, tiles
 
@@ -16,17 +16,18 @@ var<storage, read_write> lists: Lists;
 
 const QUADRANTS: u32 = 4u;
 
-// Maximum number of steps of four tiles together; if they need more, they are traced. A listed block counts as an
-// eighth of a step, since it takes a round.
+// Maximum number of steps of four tiles together; if they need more, their pixels are traced. A listed block counts as
+// an eighth of a step, since it takes a round.
 const MOST_STEPS: u32 = 4096u;
 
 // Number of boxes and primitives tested.
 var<private> steps: u32;
 
-// Number of primitives listed so far, for the blocks of each tile in turn.
+// Number of primitives listed so far, for the blocks of each tile.
 var<private> listed: array<u32, TILE_BLOCKS * QUADRANTS>;
 
-// Primitives that may cover a sample of a tile, with the tile's number above the slot. Their blocks are found later.
+// Primitives that may cover a sample of a tile, with the tile's number above the slot. Their blocks are determined
+// later.
 var<private> covering: array<Covering, KEPT + QUADRANTS>;
 
 var<private> searched: vec2u;   // corner of the first tile, in the picture
@@ -52,7 +53,7 @@ fn search_wide_tiles(@builtin(global_invocation_id) id: vec3u) {
     count_view(corner.y, 0u, nodes_visited, primitives_tested);
 }
 
-// Returns the offset of a tile's corner from that of the first.
+// Returns the offset of a tile's corner from the first tile's corner.
 fn corner_of(quadrant: u32) -> vec2u {
     return vec2u(quadrant & 1u, quadrant >> 1u) * TILE;
 }
@@ -115,7 +116,7 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
         let last = min(covered.zw - begin, vec2i(i32(TILE) - 1));
         let shifts = vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
         let sides = vec4u(vec4i(first, last)) << shifts;
-        // The entry is written even if the primitive is not kept: entries behind the end do not count.
+        // The entry is written even if the primitive is not kept, since entries beyond the end are ignored.
         covering[kept] = Covering(slot | (quadrant << FIRST_PIXEL_BIT), (sides.x | sides.y) | (sides.z | sides.w));
         kept += select(0u, 1u, all(first <= last));
         quadrant += 1u;

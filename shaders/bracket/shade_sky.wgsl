@@ -1,7 +1,7 @@
-// Pass 3 of 3 of `bracket`: shades tiles without any primitive. These tiles have their own list, since other tiles cost
-// far more.
+// Pass 3 of 3 of `bracket`: shades tiles that contain no primitive. These tiles have their own list, since other tiles
+// cost far more.
 //
-// launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
+// launch  one thread per block of 1x1 or 2x2 pixels of each listed tile, dispatched indirectly
 // reads   lists        SKY
 // writes  view         [height * width]
 // adds    counters     [height * COUNTERS]

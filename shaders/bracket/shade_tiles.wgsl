@@ -1,7 +1,7 @@
-// Pass 3 of 3 of `bracket`, fourth part: shades target pixels from the hits of resolve_tiles and trace_bounded, with
-// the source's visibility bits. Lists the pixels for which some light's bit is unknown.
+// Pass 3 of 3 of `bracket`, fourth part: shades target pixels from the hits of resolve_tiles and trace_listed, with the
+// source's visibility bits. It lists the pixels for which some light's bit is unknown.
 //
-// launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
+// launch  one thread per block of 1x1 or 2x2 pixels of each listed tile, dispatched indirectly
 // updates view         [height * width]      color; ASKED is added to the marks
 // adds    counters     [height * COUNTERS]
 // appends lists        TO_LIGHT; reads TO_RESOLVE

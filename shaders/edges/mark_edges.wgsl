@@ -1,10 +1,10 @@
 // Verification `edges` (thesis, 6.2): marks target pixels as BAD if their sample lies at an edge in the source view.
-// resolve_right lists the marked pixels; all others are trusted.
+// resolve_right lists the marked pixels and trusts all others.
 //
-// launch  one thread per pixel of the target in the rows at work
-// reads   source  [height * width]
-// updates view    [height * width]  marks: key, or EMPTY; BAD is added
-//         object_table  objects of the primitives in the BVH's order, four a texel
+// launch  one thread per pixel of the target in the current rows
+// reads   source        [height * width]
+// reads   object_table  objects of the primitives in BVH order, four per texel
+// updates view          [height * width]  marks: key, or EMPTY; BAD is added
 
 //! use camera, frame, marks, objects, pixels
 

@@ -1,7 +1,7 @@
 // Runs after a view's last step in scenes with mirrors or glass. Lists the pixels that show such surfaces, for
 // trace_mirrored.
 //
-// launch  one thread per pixel of the rows at work
+// launch  one thread per pixel of the current rows
 // reads   view       [height * width]
 // appends mirrors    TO_TRACE
 

@@ -1,7 +1,8 @@
-// Shades pixels that show mirrors, glass or veils. Their light comes from the first hits in the view and from the rays
-// that these surfaces reflect and transmit. These rays belong to each eye and are not reused.
+// Shades pixels that show mirrors, glass or veils (partly transparent surfaces). Their light comes from the first hits
+// in the view and from the rays that these surfaces reflect and transmit. These rays are traced for each eye and are
+// not reused.
 //
-// launch  one thread per entry of the list, dispatched indirectly
+// launch  one thread per list entry, dispatched indirectly
 // reads   lists      TO_TRACE
 // updates view       [height * width]      color
 // adds    counters   [height * COUNTERS]
@@ -22,13 +23,13 @@ struct Pending {
     depth: u32,         // number of surfaces hit so far
 }
 
-// A surface sends on at most two rays, and one of them is followed at once. So at most one more ray waits than surfaces
-// are hit in a row.
+// A surface sends on at most two rays, one of which is followed at once. So the number of waiting rays exceeds the
+// number of surfaces hit along a ray by at most one.
 const MOST_PENDING: u32 = 9u;
 var<private> pending: array<Pending, MOST_PENDING>;
 var<private> waiting: u32;
 
-// Minimum weight of a ray. Rays of a smaller weight change no 8-bit picture.
+// Minimum weight of a ray. Rays of a smaller weight do not affect an 8-bit picture.
 const FAINT: f32 = 1.0 / 4096.0;
 
 fn send(origin: vec3f, direction: vec3f, weight: vec3f, travelled: f32, depth: u32) {
@@ -51,7 +52,7 @@ fn send_on(ray: Pending, t: f32, material: Material, surface: Surface, surfaces:
 }
 
 fn send_mirrored(ray: Pending, surfaces: Surfaces, mirrored: vec3f, weight: vec3f, travelled: f32) {
-    // If a smooth normal would reflect the ray below the surface, it is sent along the surface.
+    // If a smooth normal would reflect the ray below the surface, the ray is sent along the surface instead.
     let geometric = of_ray3(surfaces.geometric_normal, 0u);
     let above = mirrored + geometric * max(0.0, 1e-4 - dot(mirrored, geometric));
     send(offset_from(surfaces, ray.origin, 1.0), normalize(above), weight, travelled, ray.depth + 1u);
@@ -71,7 +72,7 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
     if !any_ray(listed.wanted) { return; }
     let first = pixel_of_ray(listed.pixels, 0u);
     let own = rays_of(listed.pixels);
-    // The first ray's direction is scaled so that t is depth; all others are unit vectors.
+    // The first ray's direction is scaled so that t is depth. All other directions are unit vectors.
     var ray = Pending(own.origin, of_ray3(own.direction, 0u), vec3f(1.0), 0.0, 0u);
     var hits = target_hits(listed.pixels, listed.wanted);
     // A hit may be reused from another view's sample. If this pixel's own ray hits the same primitive, that t replaces

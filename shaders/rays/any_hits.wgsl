@@ -1,10 +1,10 @@
-// Finds whether each ray of a list (shared/ray_list.wgsl) hits anything, for users and tests. Runs in one dispatch or
-// in several (shared/in_steps.wgsl).
+// Determines whether each ray of a list (shared/ray_list.wgsl) hits anything, for users and tests. It runs in one
+// dispatch or in several (shared/in_steps.wgsl).
 //
-// launch  one thread per ray, or per four; in steps, until all have finished
-// updates steps     a lane per thread, in steps
-// writes  found     [rays]      1 where something is hit
-// adds    counters  [COUNTERS]  as of a view
+// launch  one thread per ray, or per four rays; in steps, until all have finished
+// updates steps     one lane per thread, in steps
+// writes  found     [rays]      1 for a hit, else 0
+// adds    counters  [COUNTERS]  as for one row of a view
 
 //! use bvh, counters, frame, in_steps, lane, pixels, planes, ray_list
 

@@ -1,7 +1,7 @@
-// Finds a view's nearest and farthest depth in each row. Lemma 1 gives the 3D buffer's size from them (DESIGN, section
-// 2).
+// Finds the nearest and farthest depth in each row of a view. Lemma 1 determines the size of the 3D buffer from them
+// (DESIGN, section 2).
 //
-// launch  one thread per row of the rows at work
+// launch  one thread per current row
 // reads   view      [height * width]
 // writes  counters  [height * COUNTERS]   NEAREST_DEPTH and FARTHEST_DEPTH, as bits of f32
 
@@ -16,7 +16,7 @@ fn depth_range(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= WORKGROUP || row >= frame.band.row_end { return; }
     var nearest = FAR;
     var farthest = 0.0;
-    // The loop's end must not be a uniform alone: Mesa's software driver would compile the kernel anew for each width.
+    // The loop's end must not be a uniform alone: Mesa's software driver would recompile the kernel for each width.
     let end = (row + 1u) * frame.band.size.x;
     for (var pixel = row * frame.band.size.x; pixel < end; pixel += 1u) {
         let depth = view[pixel].depth;

@@ -23,7 +23,7 @@ fn reproject(@builtin(global_invocation_id) id: vec3u) {
     if outside(pixel) { return; }
     let column = target_column(pixel.x, source[pixel_index(pixel)].depth);
     if column < 0 { return; }
-    // Among samples that land in one column, the last one in the sweep is the nearest (DESIGN, section 2; thesis,
-    // 3.1.2.2). So its key is the depth key. Maximum commutes, so the order of threads does not matter.
+    // Among the samples that land in one column, the last one in the sweep is the nearest (DESIGN, section 2; thesis,
+    // 3.1.2.2). So its key serves as a depth key. The maximum is commutative, so the order of threads does not matter.
     atomicMax(&view[pixel_index(vec2u(u32(column), pixel.y))].marks, key_of(pixel.x));
 }

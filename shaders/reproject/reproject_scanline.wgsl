@@ -1,8 +1,8 @@
-// Pass 2 of 3 of `EsIsler`: one thread sweeps each row from its far side to its near one, as in Adelson & Hodges 1993
-// (DESIGN, section 4). For a target on the right it goes from left to right. A later sample is nearer and overwrites.
-// Columns in a gap between two neighbours were not seen and are cleared.
+// Pass 2 of 3 of `EsIsler`: one thread sweeps each row from its far side to its near side, as in Adelson & Hodges 1993
+// (DESIGN, section 4). For a target on the right, the sweep goes from left to right. A later sample is nearer and
+// overwrites. Columns in a gap between two neighbouring samples were not seen and are cleared.
 //
-// launch  one thread per row of the rows at work
+// launch  one thread per current row
 // reads   source  [height * width]
 // writes  view    [height * width]  marks: key of the sample, or EMPTY; cleared by the host
 
@@ -19,8 +19,8 @@ fn reproject_scanline(@builtin(global_invocation_id) id: vec3u) {
     let end = first + i32(frame.band.size.x);
     // The pixel where the previous sample landed.
     var before = landed_on(0u, first);
-    // Loops over pixel indices, not columns: Mesa's software driver compiles a loop whose end is a uniform anew for
-    // each width.
+    // The loop runs over pixel indices, not columns: Mesa's software driver recompiles a loop whose end is a uniform
+    // for each width.
     for (var at = first; at < end; at += 1) {
         let column = in_sweep(u32(at - first));
         let here = landed_on(column, first);
@@ -37,7 +37,7 @@ fn landed_on(column: u32, first: i32) -> i32 {
     return first + landing(column, source[first + i32(column)].depth);
 }
 
-// Clears those pixels of [first, end) that lie between two others, in the order of the sweep.
+// Clears the pixels of [first, end) that lie between two others, in the order of the sweep.
 fn clear_between(after: i32, before: i32, first: i32, end: i32) {
     let low = select(after, before, is_mirrored());
     let high = select(before, after, is_mirrored());

@@ -1,11 +1,11 @@
-// Pass 2 of 3 of `Buffer`, first half: stores each sample's key in slot i mod depth of the 3D buffer, at the target
-// pixel where it lands (thesis, 3.1.2.1). Slots are written by atomicMax, so that a collision always keeps the nearest
+// Pass 2 of 3 of `Buffer`, first half: stores the key of sample i in slot i mod depth of the 3D buffer, at the target
+// pixel where it lands (thesis, 3.1.2.1). Slots are written by atomicMax, so a collision always keeps the nearest
 // sample.
 //
 // launch  one thread per pixel of the source in a band of rows
 // reads   source    [height * width]
 // writes  slots     [rows * width * depth]   keys, or EMPTY; cleared by the host
-// adds    counters  [height * COUNTERS]      one for each candidate that met a taken slot: of the two one is lost
+// adds    counters  [height * COUNTERS]      LOST_CANDIDATES: collisions, each of which loses one candidate
 
 //! use camera, counters, frame, pixels
 

@@ -1,13 +1,13 @@
-// Pass 3 of 3, first half: checks reprojected pixels and lists those that are bad or missing, for trace_listed.wgsl.
-// The list keeps the few traced pixels of neighbouring threads together. If they were traced here, they would delay
-// whole subgroups of reused pixels. Good pixels are copied later, by take_over.wgsl.
+// Pass 3 of 3, first half: checks reprojected pixels and lists bad or missed pixels for trace_listed.wgsl. The list
+// groups the few traced pixels of neighbouring threads. If they were traced here, they would delay whole subgroups of
+// reused pixels. take_over.wgsl copies good pixels later.
 //
-// launch  one thread per block of the target's pixels (a pixel, or 2x2) of the rows at work
-// reads   source    [height * width]    a point's depth is the same for both eyes
-// updates view      [height * width]    marks: key, or EMPTY; BAD and MISSED are added (BAD may have been before, by
-// mark_edges); of what is listed depth
+// launch  one thread per block of 1x1 or 2x2 target pixels of the current rows
+// reads   source    [height * width]    the depth of a point is the same for both eyes
+// updates view      [height * width]    marks: key, or EMPTY, and BAD if set by mark_edges; BAD and MISSED are added
+//                                       depth of listed pixels
 // adds    counters  [height * COUNTERS]
-// appends lists
+// appends lists     TO_TRACE
 
 //! use camera, counters, lane, lists, marks, pixels, verify, wanted
 

@@ -1,7 +1,8 @@
 // Pass 3 of 3, last part except take_over: shades listed target pixels from their hits, with shadow rays. For `bracket`
-// these are the pixels with an unknown visibility bit; for the thesis's methods, all that trace_listed traced.
+// these are the pixels with an unknown visibility bit. For the thesis's methods these are all pixels that trace_listed
+// traced.
 //
-// launch  one thread per entry of the list, or per four, dispatched indirectly
+// launch  one thread per list entry, or per four entries, dispatched indirectly
 // reads   lists        TO_SHADE
 // updates view         [height * width]      color
 // adds    counters     [height * COUNTERS]

@@ -1,9 +1,9 @@
-// Pass 3 of 3 of the thesis's methods, last part: each reused pixel copies the source pixel that its key names. It runs
-// after the checks, so that bad pixels, which have been traced by then, are not copied first.
+// Pass 3 of 3 of the thesis's methods, last part: each reused pixel copies the source pixel that its key identifies. It
+// runs after the checks. Bad pixels have been traced by then and are not copied.
 //
-// launch  one thread per pixel of the target in the rows at work
+// launch  one thread per pixel of the target in the current rows
 // reads   source  [height * width]
-// updates view    [height * width]  all but marks
+// updates view    [height * width]  all fields except marks
 
 //! use camera, linear, marks, pixels
 

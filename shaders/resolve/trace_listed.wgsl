@@ -1,9 +1,9 @@
 // Pass 3 of 3, after resolve_right or resolve_tiles: traces the target pixels that those kernels listed. Each ray
 // begins at the depth up to which space is known to be empty. shade_listed or shade_tiles shades the hits.
 //
-// launch  one thread per entry of the list, or per four, dispatched indirectly
+// launch  one thread per list entry, or per four entries, dispatched indirectly
 // reads   lists        TO_TRACE
-// updates view         [height * width]      depth, read as the depth up to which space is empty; slot
+// updates view         [height * width]      depth and slot; reads depth as the distance up to which space is empty
 // adds    counters     [height * COUNTERS]
 
 //! use bvh, camera, counters, lane, lists, pixels, planes, rays, view

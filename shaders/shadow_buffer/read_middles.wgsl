@@ -1,9 +1,9 @@
-// Finishes a light's shadow-buffer after all primitives are drawn. Keeps the nearest hit among these primitives and the
-// planes, which are not drawn (docs/SHADOW-BUFFER.md).
+// Finishes a light's shadow-buffer after all primitives are drawn. It keeps the nearest hit among these primitives and
+// the planes, which are not drawn (docs/SHADOW-BUFFER.md).
 //
-// launch  one thread per block of texels (a texel, or 2x2) of the rows at work
-// updates t_buffer  [rows at work][image_size.x][2]    from the nearest t's complement and a slot + 1 to t and the
-// slot; MISS: nothing hit; UNFILLED: not known
+// launch  one thread per block of 1x1 or 2x2 texels of the current rows
+// updates t_buffer  [current rows][image_size.x][2]    from the complement of the nearest t and slot + 1 to t and slot;
+//                                                      slot is MISS for a miss and UNFILLED if unknown
 // adds    counters  [COUNTERS]
 
 //! use counters, lane, pixels, planes, shadow_canvas, t_buffer

@@ -1,12 +1,12 @@
-// Finishes a light's shadow-buffer of the hybrid rule after all primitives are drawn. Keeps the plane of the nearest
-// hit among these primitives and the infinite planes, which are not drawn. The slot is marked if another infinite plane
-// lies in front of that plane (docs/SHADOW-BUFFER.md).
+// Finishes a light's shadow-buffer for the hybrid rule after all primitives are drawn. It keeps the plane of the
+// nearest hit among these primitives and the infinite planes, which are not drawn. The slot is marked if another
+// infinite plane lies in front of that plane (docs/SHADOW-BUFFER.md).
 //
-// launch  one thread per texel of the rows at work
-// reads   t_buffer  [rows at work][image_size.x][2]    the nearest t's complement and a slot + 1
-// writes  texels    [rows at work][image_size.x]       xyz: q of the points x from the light on the plane, q.x = 1;
-//                                                      w: the slot, SOMETHING_BEFORE and the slot, MISS: nothing hit,
-//                                                      or UNFILLED: not known
+// launch  one thread per texel of the current rows
+// reads   t_buffer  [current rows][image_size.x][2]    complement of the nearest t, and slot + 1
+// writes  texels    [current rows][image_size.x]       xyz: plane q, with q.x = 1 for points x from the light;
+//                                                      w: slot, SOMETHING_BEFORE with slot, MISS for a miss,
+//                                                      or UNFILLED if unknown
 // adds    counters  [COUNTERS]
 
 //! use counters, frame, lane, pixels, planes, shadow_buffer, shadow_canvas, t_buffer

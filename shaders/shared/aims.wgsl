@@ -1,4 +1,4 @@
-// Rays from a point, four at a time.
+// Rays from surface points to light sources, in groups of four.
 
 //! use dice, fetch, frame, lane, light, pixels, table
 

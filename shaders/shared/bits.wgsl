@@ -1,5 +1,5 @@
-// Visibility bits that target pixels reuse from a source view (docs/BRACKET.md). Every bit is inferred: an occluder's
-// shadow that falls between the samples is lost.
+// Visibility bits that target pixels reuse from a source view (docs/BRACKET.md). Every reused bit is inferred: a shadow
+// that falls between the samples is lost.
 
 //! use camera, frame, lane, light, lists, pixels, primitive, rays, source_samples
 
@@ -8,7 +8,8 @@
 struct Taken {
     known: U,
     lit: U,
-    // Slots of an occluder of the sample before the point and of one of the sample after it, or MISS.
+    // Slot of an occluder of the sample before the point, and slot of an occluder of the sample after it. MISS means
+    // that there is none.
     occluders_a: U,
     occluders_b: U,
     // Light shares of the two samples, packed like found_shares of visibility.wgsl. If a sample is rejected, all its
@@ -16,7 +17,7 @@ struct Taken {
     shares_before: U,
     shares_after: U,
     way: F,             // position of the point from the first sample to the next, 0 to 1
-    busy: U,            // from bit 16 on: a bit for each source whose share is not reused
+    busy: U,            // one bit, from bit 16 on, for each source whose share is not reused
 }
 
 // Number of sources whose shares fit in a word. A share is 0 if no ray arrives and ALL_OPEN if all rays arrive.
@@ -166,8 +167,8 @@ fn busy_near(pixel: vec2u) -> u32 {
 
 //! if bits is two
 // With `two`, the source samples on both sides of the point must agree. If the point lies in a groove, below the line
-// between the two samples, a light that both samples see may be hidden. There the bits of visible lights count as
-// unknown.
+// between the two samples, a light may be hidden although both samples see it. In grooves, the bits of visible lights
+// therefore count as unknown.
 
 // Minimum depth of a groove, as a share of the tolerated parallax difference. It is 1/128 pixel for a tolerance of 0.75
 // pixels.

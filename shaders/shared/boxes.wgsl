@@ -23,9 +23,9 @@ struct Offsets {
     high: vec3f,
 }
 
-// Boxes are widened by more than the rounding of slab and primitive tests, so that no tie and no flat leaf is missed
-// (DESIGN, section 2). The margin is small, since a shadow ray begins close to its surface and would test the surface's
-// boxes in vain.
+// Boxes are widened by more than the rounding of slab and primitive tests. So no tie and no flat leaf is missed
+// (DESIGN, section 2). The margin is small: a shadow ray begins close to its surface and would test the surface's boxes
+// in vain.
 fn offsets_from(origin: vec3f) -> Offsets {
     let to_grid = bvh.grid_origin - origin;
     let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * SCENE_SLACK;
@@ -74,9 +74,9 @@ fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
 }
 
 //! if boxes is world
-// Corners are f32 scene coordinates, for scenes far larger than their detail. Each box is widened by a share of its own
-// distance from the ray's origin. The other layouts widen all boxes by the same amount, which is cheaper and harmless
-// for larger boxes.
+// Corners are f32 scene coordinates, for scenes far larger than their detail. Each box is widened in proportion to its
+// own distance from the ray's origin. The other layouts widen all boxes by the same amount, which is cheaper and
+// harmless for larger boxes.
 
 const SCENE_SLACK: f32 = 0.0;
 const BOX_SLACK: f32 = 1.0 / 1048576.0;

@@ -1,8 +1,8 @@
 // Traversal of the BVH. closest_hit and any_hit share one loop, and every ray uses it.
 //
-// The rays of a lane start at one point and share a stack: all of them test each node that one must visit. A node is a
-// pair of child boxes, each with a link. A link with LEAF set is a run of 1 to 8 primitives: (count - 1) in bits 28 to
-// 30, the first slot below. Other links are indices of pairs. The root is pair 0.
+// The rays of a lane have a common origin and share a stack: if one ray must visit a node, all rays test it. A node is
+// a pair of child boxes, each with a link. A link with LEAF set is a run of 1 to 8 primitives. It holds (count - 1) in
+// bits 28 to 30, and the first slot in the bits below. Other links are indices of pairs. The root is pair 0.
 
 //! use boxes, counters, cutouts, fetch, in_steps, lane, pixels, primitive, primitives, rays
 
@@ -89,8 +89,8 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
         hits = settled(hits, rays, t_min, put_off, any_is_enough);
         put_off = PutOff();
         if !waiting { break; }
-        // Pushes the rest of the leaf onto the stack. The next round visits the root, misses its boxes and pops that
-        // rest.
+        // Pushes the rest of the leaf onto the stack. The next round visits the root, misses its boxes and pops the
+        // rest of the leaf.
         top += 1;
         stack[top] = LEAF | ((last - slot) << 28u) | slot;
         link = 0u;

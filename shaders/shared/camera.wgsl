@@ -1,5 +1,5 @@
-// The camera: rays of pixels, where samples of the source land in the target, and the width of a pixel. projection.wgsl
-// has the volumes of tiles. Nothing else knows the eyes.
+// The camera model: rays of pixels, landing positions of source samples in the target, and the width of a pixel.
+// projection.wgsl has the frusta of tiles. No other kernel code reads the eyes' parameters.
 
 //! use frame, jitter, lane, rays
 
@@ -8,7 +8,7 @@
 fn eye_point() -> vec3f { return frame.eyes.target_eye; }
 
 // Returns the directions from the target eye to the points at the given depths in source pixels. For sky pixels the
-// direction is that of the source ray.
+// result is the direction of the source ray.
 fn to_source_points(pixels: Pixels, depth: F, sky: B) -> F3 {
     let direction = pixel_directions(frame.eyes.source_corner, pixels);
     let to_point = minus3(times3(direction, depth), all3(frame.eyes.right_axis * frame.eyes.shift));
@@ -94,9 +94,9 @@ fn landing(column: u32, z: f32) -> i32 {
     return i32(floor(clamp(landing_x(column, z), -1e9, 1e9)));
 }
 
-// A sweep visits a source's columns in such an order that, of the samples that land in one target column, the nearest
-// comes last. For a target on the right, near points move to the left, so the rightmost of these samples is the
-// nearest. For a target on the left, the order is mirrored.
+// A sweep orders a source's columns so that, among the samples that land in one target column, the nearest one comes
+// last. For a target on the right, near points move to the left, so the rightmost of these samples is the nearest. For
+// a target on the left, the order is mirrored.
 
 fn is_mirrored() -> bool { return frame.eyes.parallax_px < 0.0; }
 

@@ -21,8 +21,8 @@ const SENT_RAYS: u32 = 11u;
 const OWN_SHADOW_RAYS: u32 = 12u;   // shadow rays from mirrored surfaces, included in SHADOW_RAYS
 
 override COUNT: bool = false;
-// Whether a loop ended before its work was complete. llvmpipe silently ends a thread's loops after 65,535 rounds in
-// total.
+// Whether a loop ended before its work was complete. llvmpipe silently ends a thread's loops after a total of 65,535
+// rounds.
 var<private> cut_short: bool;
 
 //! if primitives is triangles or spheres or mixed
@@ -51,8 +51,8 @@ fn count_view(row: u32, shadow: u32, nodes: u32, primitives: u32) {
 
 override COST_MAP: bool = false;
 
-// Adds this thread's work to its pixel of the cost map, which is stored behind the counters. Pipelines with a cost map
-// have one ray per lane.
+// Adds this thread's work to its pixel of the cost map, which follows the counters. Pipelines with a cost map have one
+// ray per lane.
 fn count_pixel(pixel: vec2u) {
     if COST_MAP {
         atomicAdd(&counters[frame.band.size.y * COUNTERS + pixel_index(pixel)], nodes_visited + primitives_tested);

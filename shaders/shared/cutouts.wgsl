@@ -1,4 +1,4 @@
-// Cut-out triangles: a mask says where their surface exists.
+// Cut-out triangles. A mask defines where their surface exists.
 //
 // A hit on a cut-out triangle is deferred like an uncertain hit. The second test, one ray at a time, reads the mask. So
 // the first test costs no more than without masks, and masks are read for hits only. Both eyes get consistent results,
@@ -25,8 +25,8 @@ fn at_first_look(primitive: Primitive, found: Found) -> Found { return found; }
 fn at_second_look(primitive: Primitive, slot: u32, origin: vec3f, direction: vec3f, t: f32) -> f32 { return t; }
 
 //! end
-// Highest bit of a component, set for cut-out triangles. The bit distinguishes their component from that of neighbours
-// without a mask.
+// Highest bit of a component, set for cut-out triangles. The bit separates their component from the component of
+// neighbours without a mask.
 const IS_CUT_OUT: u32 = 0x80000000u;
 
 fn is_cut_out(primitive: Primitive) -> bool {

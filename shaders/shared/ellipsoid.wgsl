@@ -1,5 +1,5 @@
 // Intersection with ellipsoids. A matrix maps the ellipsoid to a sphere and transforms the ray too, which preserves t.
-// The rest of the test is that of sphere.wgsl.
+// The rest of the test is the same as in sphere.wgsl.
 
 // In a scene with ellipsoids, spheres are stored as ellipsoids with the identity matrix. So these functions replace the
 // sphere functions of sphere.wgsl and projection.wgsl.

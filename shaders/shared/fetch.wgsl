@@ -31,7 +31,7 @@ var<uniform> bvh: Bvh;
 //! if fetch is buffer
 // The data is in storage buffers, for GPUs.
 
-// The order is: the root's pair, the primitives, all other pairs (src/accel/geometry.rs).
+// The order is the root's pair, the primitives, and all other pairs (src/accel/geometry.rs).
 var<storage, read> geometry: array<vec4u>;
 
 // Index of the first texel of a pair of children.

@@ -1,10 +1,10 @@
-// The uniform buffer of a view. There is only one, since with several Mesa 22.3's software driver reads beyond its
-// tables of loop ends.
+// The uniform buffer of a view. There is only one uniform buffer: with several, the software driver of Mesa 22.3 reads
+// beyond its tables of loop ends.
 
-// The band of the picture that the buffers hold, and the rows of this dispatch.
+// The band of the picture that the buffers hold, and the current rows: the rows that a dispatch processes.
 struct Band {
     size: vec2u,         // picture width; number of buffer rows that belong to the picture
-    row_begin: u32,      // rows of this dispatch: [row_begin, row_end), in buffer rows
+    row_begin: u32,      // current rows: [row_begin, row_end), in buffer rows
     row_end: u32,
     first_row: u32,      // picture row of the buffers' first row
     runs: u32,           // number of runs that rows of workgroups are distributed to (launched_row)
@@ -18,8 +18,8 @@ struct Band {
 // its hit (DESIGN, section 2).
 struct Eyes {
     source_eye: vec3f,       // scene coordinates
-    // Parallax scale, pixels: e_px = e w / W, or f_px for parallel cameras. It is negative if the target is left of its
-    // source.
+    // Scale of the parallax, pixels: e_px = e w / W, or f_px for parallel cameras. It is negative if the target is left
+    // of its source.
     parallax_px: f32,
     target_eye: vec3f,
     parallax_distance: f32,  // d, world units; e for parallel cameras
@@ -76,7 +76,7 @@ struct Frame {
 }
 
 //! if canvas is middles or texels
-// The light replaces the eyes, and the directions of its shadow-buffer's texels replace those of the pixels.
+// The light replaces the eyes. The directions of the texels of its shadow-buffer replace the directions of pixels.
 // src/render/shadow_buffer/mapping.rs fills this struct.
 struct Mapping {
     light: vec3f,        // scene coordinates

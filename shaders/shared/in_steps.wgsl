@@ -1,4 +1,4 @@
-// A thread does all its work in one dispatch, or a limited number of loop rounds in each of several dispatches.
+// A thread does all its work in one dispatch, or it runs a limited number of loop rounds in each of several dispatches.
 
 //! use boxes, counters, lane, light, rays
 
@@ -31,10 +31,11 @@ fn keep_lights(sum: Light, light: u32) -> bool { return false; }
 
 //! if dispatches is many
 // A thread runs a limited number of loop rounds per dispatch, saves its state, and resumes in the next dispatch. This
-// serves rays and lights that need more rounds than an adapter grants a thread.
+// serves rays and lights that need more rounds than an adapter allows per thread.
 //
-// A traversal pauses only before it tests a pair of boxes. Its whole state there is the hits, the stack and the next
-// link. So hits, colours and counters equal those of a single dispatch, bit for bit.
+// A traversal pauses only before it tests a pair of boxes. Its complete state there consists of the hits, the stack and
+// the next link. So the hits, colours and counters of several dispatches are bit-identical to the results of a single
+// dispatch.
 
 // State that a thread saves between dispatches. All fields are initially 0.
 struct Lane {
@@ -62,7 +63,7 @@ const FINISHED: u32 = 0xffffffffu;
 var<private> lane: u32;
 var<private> rounds_left: i32;
 var<private> paused: bool;
-// Shadow rays counted in this dispatch that the next one counts again.
+// Number of shadow rays counted in this dispatch that the next dispatch counts again.
 var<private> to_count_again: u32;
 
 // Starts a dispatch; returns whether the thread has work left.
@@ -72,7 +73,7 @@ fn begin_step(thread: u32) -> bool {
     return steps.lanes[lane].stage != FINISHED;
 }
 
-// Ends a thread's dispatch. A lane that was cut short is finished too, since its frame or list is an error.
+// Ends a thread's dispatch. A lane that was cut short is finished too, since its frame or list is reported as an error.
 fn end_step() {
     if paused & !cut_short { return; }
     steps.lanes[lane].stage = FINISHED;

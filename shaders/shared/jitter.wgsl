@@ -1,5 +1,5 @@
-// Offsets of jittered samples. All samples of a row share one offset from their centres (DESIGN, section 3).
-// src/sampling/jitter.rs has the same arithmetic.
+// Offsets of jittered samples. All samples of a row are offset from their centres by the same amount (DESIGN, section
+// 3). src/sampling/jitter.rs has the same arithmetic.
 
 //! use frame, lane
 

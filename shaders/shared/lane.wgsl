@@ -1,7 +1,7 @@
 // The rays of a lane: one or four. Traversal and shading are written once for both numbers.
 
 //! if rays is one
-// One thread traces one pixel: for GPUs.
+// One thread traces one pixel. This variant is for GPUs.
 
 alias F = f32;    // one number for each ray
 alias U = u32;
@@ -32,8 +32,8 @@ fn bits_of(b: B) -> u32 { return select(0u, 1u, b); }
 fn with_bits(bits: u32) -> B { return (bits & 1u) != 0u; }
 
 //! if rays is four
-// A lane has four rays, from a block of 2x2 pixels or from four list entries, with one stack: for CPU adapters. Loads
-// are expensive there, and one load serves all four rays (docs/TRAVERSAL.md).
+// A lane has four rays with one stack, from a block of 2x2 pixels or from four list entries. This variant is for CPU
+// adapters. Loads are expensive there, and one load serves all four rays (docs/TRAVERSAL.md).
 
 alias F = vec4f;    // one number for each ray
 alias U = vec4u;

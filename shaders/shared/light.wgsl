@@ -1,8 +1,8 @@
-// Surfaces as lighting needs them, light that arrives at them, and shadow rays.
+// Surfaces in the form that lighting needs, light that arrives at them, and shadow rays.
 
 //! use lane, pixels
 
-// Surfaces at the hits of a lane's rays, as lighting needs them. Rays that miss have zeros.
+// Surfaces at the hits of a lane's rays, in the form that lighting needs. Rays that miss have zeros.
 struct Surfaces {
     there: B,
     point: F3,
@@ -17,7 +17,7 @@ struct Surfaces {
     sends: U,               // 1 for mirrors, glass and veils, which are shaded later
 }
 
-// Light that arrives at points: on a white diffuse surface, and as highlights that the surface sends to the eye.
+// Light that arrives at points: on a white diffuse surface, and as highlights that the surface reflects to the eye.
 struct Light {
     diffuse: F3,
     shine: F3,
@@ -35,9 +35,9 @@ struct ShadowRay {
 }
 
 //! end
-// A shadow ray ends at a small offset from the surface. The offset has these shares of the point's distance from the
-// eye and from the world's origin. The rounding error of the point grows with both distances. So the offset suits tiny
-// scenes and points far from the origin; docs/ARCHITECTURE.md has the measurement.
+// A shadow ray ends at a small offset from the surface. The offset is the sum of these fractions of the point's
+// distances from the eye and from the world's origin. The rounding error of the point grows with both distances. So the
+// offset suits tiny scenes and points far from the origin; docs/ARCHITECTURE.md has the measurement.
 const OFFSET_BY_DISTANCE: f32 = 1.0 / 131072.0;
 const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
 // The offset also grows with the triangle's reach, because the rounding error of t does. If the eye or light is so

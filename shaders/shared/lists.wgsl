@@ -94,7 +94,7 @@ fn listed_tile_pixels(list: u32, thread: u32) -> ListedPixels {
     return ListedPixels(pixels, inside_rows(pixels) & (U(place) < U(count)));
 }
 
-// The results of search_tiles follow the lists. Each tile of the rows at work has its bound, the lists of its blocks
+// The results of search_tiles follow the lists. Each tile of the current rows has its bound, the lists of its blocks
 // and its busy lights.
 
 // Number of words of a block's list. The first word is the number of primitives. Each other word is a slot, with a bit

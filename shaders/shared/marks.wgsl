@@ -1,5 +1,5 @@
 // Marks of the pixels of a target view. BAD: the pixel was checked and rejected. MISSED: no sample landed, so the pixel
-// was traced. KEY: bits for the key of the reused source pixel.
+// was traced. KEY: bits of the key of the reused source pixel.
 const BAD: u32 = 0x40000000u;
 const MISSED: u32 = 0x80000000u;
 // For `bracket` only: some light of the pixel needed a shadow ray.

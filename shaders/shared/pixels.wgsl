@@ -22,8 +22,8 @@ struct Pixel {
 }
 
 // Returns the position of a thread, permuted within its workgroup of 8x8. Software adapters run eight consecutive
-// threads as one vector. These threads take a block of 4x2, whose rays are closer together than those of a line of
-// eight.
+// threads as one vector. These threads take a block of 4x2 pixels. Its rays are closer together than the rays of a line
+// of eight pixels.
 fn pixel_in_tile(id: vec2u) -> vec2u {
     let tile = id & vec2u(0xfffffff8u);
     let x = (id.x & 3u) | ((id.y & 1u) << 2u);

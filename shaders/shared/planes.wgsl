@@ -24,8 +24,8 @@ fn met_at(slot: u32, rays: Rays) -> Found {
 // Texels of a plane. The first has a point and the id, the second the unit normal and the component. The third has an
 // axis and the material. The dot product of the axis and an offset is the texture coordinate u.
 
-// Maximum distance of a plane's hit from the ray's origin. Rays sent on from farther hits could not test the tree's
-// boxes.
+// Maximum distance of a plane's hit from the ray's origin. Rays that start at farther hits could not be tested against
+// the tree's boxes.
 const PLANE_REACH: f32 = 1e8;
 
 // Returns the signed distance from a point to a plane, along the plane's normal. It is computed in sums of two f32,
@@ -80,9 +80,9 @@ fn plane_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return Surface(normal, normal, material, second.w, 0.0, vec3f(0.0), 0.0, dot(outward, direction) < 0.0);
 }
 
-// Returns a texture's colour on a plane. For a picture the footprint is that of lookup_at, but the angle is not
-// limited. A checkerboard is integrated over a box that encloses the pixel's footprint, along the texture's axes. Near
-// the horizon the footprint is far longer than wide. Along a unit vector e in the plane, the footprint of a disc
+// Returns a texture's colour on a plane. For a picture the footprint is computed as in lookup_at, but without a limit
+// on the angle. A checkerboard is integrated over a box that encloses the pixel's footprint, along the texture's axes.
+// Near the horizon the footprint is far longer than wide. Along a unit vector e in the plane, the footprint of a disc
 // extends to sqrt(1 + (e.d / n.d)^2) of its radius. Here d is the ray's direction.
 fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
     let slot = of_ray_u(hits.slot, ray);
@@ -120,7 +120,7 @@ fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
     return Hits(hits.t, select(plane.primitive, hits.primitive, nearer), select(plane.slot, hits.slot, nearer));
 }
 
-// A ray that hits a plane skips the tree.
+// A ray that hits a plane is not traced through the tree.
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     let plane = nearest_plane(rays, t_min, t_max);
     let open = plane.primitive == U(MISS);

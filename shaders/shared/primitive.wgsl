@@ -1,4 +1,4 @@
-// Primitives, as they are stored in texels and as intersection tests use them.
+// Primitives, in the form in which texels store them and intersection tests use them.
 
 //! use fetch
 
@@ -72,7 +72,8 @@ fn primitive_at(slot: u32) -> Primitive {
 }
 
 //! if texels is spheres
-// A sphere has centre and id in its first texel, radius and component in its second. The layout is that of triangles.
+// The first texel of a sphere holds its centre and id, the second its radius and component. The layout matches the
+// layout of triangles.
 fn primitive_at(slot: u32) -> Primitive {
     let first = primitive_texel(slot, 0u);
     let second = primitive_texel(slot, 1u);

@@ -49,8 +49,7 @@ fn is_sphere(primitive: Primitive) -> bool {
     return (primitive.component & IS_SPHERE) != 0u;
 }
 
-// Runs both tests and selects a result. Software adapters run both sides of a branch in any case, and a select is
-// cheaper.
+// Runs both tests and selects a result. Software adapters always run both sides of a branch, and a select is cheaper.
 fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
     let sphere = intersect_sphere(rays, scales, primitive, t_min);
     let triangle = at_first_look(primitive, intersect_triangle(rays, scales, primitive));

@@ -2,8 +2,8 @@
 
 //! use boxes, counters, ellipsoid, fetch, frame, jitter, planes, primitive, primitives, tiles, triangle
 
-// A point p relative to the target's eye has the column dot(p, column) / z and the row dot(p, row) / z, with z = dot(p,
-// forward). The planes face inwards through the outermost pixel centres, moved out by the guard band.
+// A point p relative to the target's eye has the depth z = dot(p, forward). Its column is dot(p, column) / z, and its
+// row is dot(p, row) / z. The planes face inwards through the outermost pixel centres, moved out by the guard band.
 struct Projection {
     forward: vec3f,
     column: vec3f,
@@ -37,7 +37,7 @@ fn projection_of(tile: Tile) -> Projection {
 // their rows only.
 fn guard_band() -> vec2f { return vec2f(frame.eyes.wider, frame.eyes.wider - jitter_reach()); }
 
-// Returns the largest value of dot(p, v) in a box.
+// Returns the largest value of dot(p, v) over all points p of a box.
 fn most(child: Child, v: vec3f) -> f32 {
     let a = child.low * v;
     let b = child.high * v;
@@ -45,8 +45,8 @@ fn most(child: Child, v: vec3f) -> f32 {
     return m.x + m.y + m.z;
 }
 
-// Returns whether a box may meet a tile's frustum up to a depth limit. The function has no short circuits, which would
-// be branches.
+// Returns whether a box may meet a tile's frustum up to a depth limit. The function uses no short-circuit operators,
+// which would be branches.
 fn meets_frustum(child: Child, projection: Projection, limit: f32) -> bool {
     let across = min(most(child, projection.left_plane), most(child, projection.right_plane));
     let down = min(most(child, projection.top_plane), most(child, projection.bottom_plane));
@@ -124,8 +124,8 @@ fn components(v: vec3f) -> f32 {
 
 //! if canvas is picture
 // Returns the blocks of a tile, one bit each, in which some ray may lie inside all planes through the eye and a
-// triangle's edges. The planes are those of intersect_triangle. The inner side depends on the winding, so both are
-// tried.
+// triangle's edges. The planes are the same as in intersect_triangle. The inner side depends on the winding, so both
+// sides are tested.
 fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let a = primitive.a - frame.eyes.target_eye;
     let b = primitive.b - frame.eyes.target_eye;
@@ -133,7 +133,7 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let normal_a = edge_normal(b, c);
     let normal_b = edge_normal(c, a);
     let normal_c = edge_normal(a, b);
-    // The value of a plane's equation is linear in column and row. It is computed at the middle of the first block.
+    // The value of a plane's equation is linear in column and row. It is computed at the centre of the first block.
     let middle = vec2f(tile.corner) + 1.0;
     let first = frame.eyes.target_corner + frame.eyes.step_x * middle.x + frame.eyes.step_y * middle.y;
     let values = vec3f(dot(normal_a, first), dot(normal_b, first), dot(normal_c, first));
@@ -147,7 +147,7 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
         dot(normal_b, frame.eyes.step_y),
         dot(normal_c, frame.eyes.step_y),
     );
-    // `reach` bounds the change of a plane's value from a block's middle to its farthest pixel centre. Rays that
+    // `reach` bounds the change of a plane's value from a block's centre to its farthest pixel centre. Rays that
     // intersect_triangle may find uncertain count as possible hits.
     let doubtful = frame.eyes.longest * (sqrt(dot(a, a)) + primitive.reach) * primitive.reach * (2.0 * DOUBT);
     let rounding = vec3f(
@@ -232,11 +232,13 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
 }
 
 //! if planes is some
-// Tolerance of a ray's speed of approach to a plane, as a share of the longest direction. It exceeds the rounding.
+// Tolerance of a ray's speed of approach to a plane, as a fraction of the longest direction. It exceeds the rounding
+// error.
 const PLANE_SLACK: f32 = 1.0 / 524288.0;
 
 // Returns whether some ray of a tile may meet a plane. The speed of approach is linear in column and row, so it is
-// largest in a corner. The loop has no return, since llvmpipe's OpenGL would then return the value behind the loop.
+// largest in a corner. The loop contains no return statement: llvmpipe's OpenGL would instead return the value after
+// the loop.
 fn meets_planes(tile: Tile) -> bool {
     // Jittered samples are offset along their rows.
     let aside = vec2f(jitter_reach(), 0.0);

@@ -1,4 +1,4 @@
-// A list of rays. Each ray has two texels: direction and t_min, then origin and t_max. The rays of a lane have one
+// A list of rays. Each ray has two texels: direction and t_min, then origin and t_max. The rays of a lane have a common
 // origin. frame.band.size.x is the number of rays.
 
 //! use fetch, frame, lane, rays

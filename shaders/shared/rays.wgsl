@@ -29,7 +29,7 @@ struct Found {
 }
 
 // Up to two primitives deferred to a second test. An entry is slot << RAY_BITS with a bit for each uncertain ray, or 0
-// for none. There are two entries, since a ray that is uncertain for a triangle is mostly uncertain for a neighbour
+// for none. There are two entries, since a ray that is uncertain for a triangle is usually uncertain for a neighbour
 // too.
 struct PutOff {
     last: u32,
@@ -50,7 +50,7 @@ fn scales_of(rays: Rays) -> Scales {
     return Scales(sqrt(squared), 1.0 / squared);
 }
 
-// Clamps reciprocals to ±1e30: WGSL does not define division by zero.
+// Returns the reciprocal, limited to ±1e30, since WGSL does not define division by zero.
 fn reciprocal(v: F) -> F {
     return 1.0 / select(v, F(1e-30), abs(v) < F(1e-30));
 }
@@ -78,7 +78,7 @@ fn is_nearer(hits: Hits, t: F, t_min: F, id: u32) -> B {
     return (t >= t_min) & ((t < hits.t) | ((t == hits.t) & (U(id) < hits.primitive)));
 }
 
-// Returns whether no entry is left for a deferred primitive, so that the deferred ones must be tested again first.
+// Returns whether no entry is free for a deferred primitive, so that the deferred primitives must be tested first.
 fn is_too_many(put_off: PutOff, doubted: u32) -> bool {
     return doubted != 0u && put_off.before != 0u;
 }

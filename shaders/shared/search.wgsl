@@ -3,9 +3,9 @@
 
 //! use boxes, camera, counters, fetch, in_steps, projection, tiles
 
-// Factor on the depth bound: between two samples a surface may lie slightly deeper than both.
+// Factor on the depth bound. Between two samples, a surface may lie slightly deeper than both.
 const BETWEEN: f32 = 1.001;
-// Factor on the depth limit: the search goes slightly deeper than the bound, because of rounding.
+// Factor on the depth limit. Because of rounding, the search goes slightly deeper than the bound.
 const DEEPER: f32 = 1.0001;
 // Maximum number of leaves gathered before their primitives are tested.
 const LEAVES: u32 = 32u;
@@ -20,7 +20,7 @@ const WIDE_TILE: u32 = 16u;
 // A primitive that may cover a pixel's centre in a tile.
 struct Covering {
     slot: u32,
-    blocks: u32,   // a bit per block; from FIRST_SIDE_BIT on first column and row, last column and row, 3 bits each
+    blocks: u32,   // one bit per block; from FIRST_SIDE_BIT on first column and row, last column and row, 3 bits each
 }
 
 const FIRST_SIDE_BIT: u32 = 16u;
@@ -45,7 +45,7 @@ fn search(tile: Tile, found: u32, limit: f32) {
             let b = child_at(place, 1u, offsets);
             let met_a = meets_frustum(a, projection, limit);
             let met_b = meets_frustum(b, projection, limit);
-            // Links are written even if their box is missed: entries behind the ends do not count.
+            // Links are written even if their box is missed, since entries beyond the ends are ignored.
             let leaf_a = (a.link & LEAF) != 0u;
             links[select(top + 1u, FIRST_LEAF - gathered, leaf_a)] = a.link;
             top += select(0u, 1u, met_a & !leaf_a);

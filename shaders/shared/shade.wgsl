@@ -1,5 +1,5 @@
 // Shading (DESIGN, section 3): c = albedo (ambient + sum of I max(0, n.l) V) + emission + sum of I V of highlights. The
-// result is linear. Pictures expose and clamp it.
+// result is linear. Exposure and clamping are applied when pictures are written.
 
 //! use bvh, lane, light, lights, pixels, planes, rays, shadow_buffer, sky, soft, surfaces, visibility
 

@@ -3,16 +3,16 @@
 
 //! use angles, fetch, lane, light, pixels, rays, shadows
 
-// Stored in place of a texel's slot if the visibility in its direction is unknown.
+// Value stored in place of a texel's slot if the visibility in its direction is unknown.
 const UNFILLED: u32 = 0xfffffffeu;
-// Bit of a texel's slot: an occluder may lie in front of the plane of the primitive that the texel shows.
+// Flag in a texel's slot, set if an occluder may lie in front of the plane of the primitive that the texel shows.
 const SOMETHING_BEFORE: u32 = 0x80000000u;
-// Rounding of planes and points, as a share of the distance from the light.
+// Bound of the rounding error of planes and points, as a fraction of the distance from the light.
 const ON_PLANE: f32 = 4e-6;
 
 //! if shadow_buffer is object or depth or hybrid
-// There is one layer per light. Each texel has the bits of t and the slot, or the result of read_texels.wgsl. An
-// additional last row describes the directions (src/render/shadow_buffer.rs).
+// The texture has one layer per light. Each texel holds the bits of t and the slot, or the result of read_texels.wgsl.
+// An additional last row describes the directions (src/render/shadow_buffer.rs).
 var shadow_buffers: texture_2d_array<u32>;
 
 // Data of the surfaces that lit_by needs in addition to its arguments.
@@ -24,8 +24,8 @@ fn ask_tables(surfaces: Surfaces) {
     asked_component = surfaces.component;
 }
 
-// Visibility of a light at each point by the light's table. Unless `unknown`, `occluders` has the occluder's slot, or
-// MISS if the light is visible.
+// Visibility of a light at each point according to the light's table. For known points, `occluders` holds the slot of
+// the occluder, or MISS if the light is visible.
 struct Said {
     unknown: B,
     occluders: U,
@@ -36,7 +36,7 @@ struct Directions {
     layer: u32,
     rows: i32,
     columns: i32,
-    whole: bool,         // whether the table has all directions, so that columns wrap around
+    whole: bool,         // whether the table covers all directions, so that columns wrap around
     theta_begin: f32,    // theta of the first row, radians
     theta_step: f32,     // theta per row, radians
     phi_begin: f32,
@@ -94,7 +94,7 @@ fn directions_of(light: u32) -> Directions {
 }
 
 //! if shadow_buffer is object or depth or hybrid
-// Returns vectors in the table's axes.
+// Transforms vectors to the table's axes.
 fn turned(table: Directions, v: F3) -> F3 {
     return F3(along(v, table.axis_x), along(v, table.axis_y), along(v, table.axis_z));
 }
@@ -135,7 +135,7 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
             let hidden = is_hidden_by(texel, table.theta_step, ray, index);
             if texel.y != UNFILLED {
                 said.unknown = without_ray(said.unknown, index);
-                // An empty texel has no slot, so UNFILLED stands for its occluder.
+                // An empty texel has no slot, so UNFILLED represents its occluder.
                 said.occluders = with_ray_u(said.occluders, index, select(MISS, min(texel.y, UNFILLED), hidden));
             }
         }
@@ -146,7 +146,7 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
 }
 
 //! if shadow_buffer is object
-// Returns whether the texel shows another object than the point's, or no object.
+// Returns whether the texel shows another object than the point's object, or none.
 fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
     if texel.y >= UNFILLED { return true; }
     return primitive_texel(texel.y, 1u).w != of_ray_u(asked_component, index);
@@ -168,7 +168,7 @@ const ASKED_TEXELS: u32 = 2u;
 // Minimum cosine between the normals of a point and of its texel's surface, if both count as one surface.
 const LOOKS_ALIKE: f32 = 0.8;
 
-// A point is hidden if its ray hits the primitive of one of its texels, or of the texels of the lane's other points.
+// A point is hidden if its ray hits the primitive of one of its texels, or of a texel of the lane's other points.
 // Otherwise the point is lit if it lies on the plane of its texel's primitive, or behind the plane within the margin.
 // This requires that nothing lies in front of that plane. In all other cases the result is unknown.
 fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
@@ -219,9 +219,9 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     return said;
 }
 
-// Tests the unknown points against the primitives of the given slots, one primitive per round. Points that a plane
-// shows as lit test their own primitive only. The margin tolerates more than rays do, and the picture must not depend
-// on which points share a lane. For other points a shadow ray would give the same result.
+// Tests the unknown points against the primitives of the given slots, one primitive per round. A point that its plane
+// shows as lit is tested against its own texel's primitive only. The margin tolerates more than rays do, and the
+// picture must not depend on which points share a lane. For other points the result equals the result of a shadow ray.
 fn with_proof(before: Said, asked: B, slots: U, lit: B, ray: ShadowRay) -> Said {
     var said = before;
     var open = asked;

@@ -1,6 +1,7 @@
-// A light's shadow-buffer as the canvas that primitives are drawn on (docs/SHADOW-BUFFER.md). Each row of texels has an
-// angle theta from a pole, each column an azimuth phi. Edges of triangles are curves there. All tests use planes
-// through the light in space, so triangles across the seam or around a pole need no special case.
+// The shadow-buffer of a light, as a canvas on which primitives are drawn (docs/SHADOW-BUFFER.md). A row of texels
+// corresponds to an angle theta from a pole, and a column to an azimuth phi. In these coordinates the edges of
+// triangles are curves. All tests therefore use planes through the light, so triangles across the seam or around a pole
+// need no special case.
 
 //! use angles, camera, counters, ellipsoid, fetch, frame, lane, pixels, planes, primitive, primitives, rays
 //! use shadow_buffer, t_buffer, tiles, triangle
@@ -29,8 +30,8 @@ struct Shown {
     slot: u32,
 }
 
-// Returns the nearer of two hits: that of the T-buffer's two words and that of the nearest plane. At equal t the
-// primitive of the tree wins, since its id is smaller.
+// Returns the nearer of two hits: the hit stored in the T-buffer's two words, and the hit on the nearest plane. At
+// equal t the primitive of the tree wins, since its id is smaller.
 fn shown_at(drawn: vec2u, nearest: Hits, ray: u32) -> Shown {
     let t = bitcast<f32>(~drawn.x);
     if drawn.x != 0u && t <= of_ray(nearest.t, ray) { return Shown(t, select(drawn.y - 1u, UNFILLED, drawn.y == 0u)); }
@@ -44,18 +45,18 @@ fn count_test(place: vec2u) {
     atomicAdd(&counters[PRIMITIVES_TESTED], 1u);
 }
 
-// Returns an upper bound, in texels, of the rounding of angles and positions in the table.
+// Returns an upper bound of the rounding error of angles and positions in the table, in texels.
 fn slack_of_places() -> f32 { return 0.02 + 4e-6 / frame.mapping.theta_step; }
 
 // A cone of directions from the light that contains a primitive.
 struct Cap {
     axis: vec3f,      // unit
-    radius: f32,      // radians; ALL_AROUND: the primitive may lie in any direction
+    radius: f32,      // in radians; ALL_AROUND if the primitive may lie in any direction
     sine: f32,        // sine of the radius
 }
 
 const ALL_AROUND: f32 = 4.0;
-// Upper bound of the rounding of cones, radians.
+// Upper bound of the rounding error of a cone's angles, in radians.
 const CAP_SLACK: f32 = 4e-6;
 
 fn cap_around(axis: vec3f, sine: f32, cosine: f32, is_narrow: bool) -> Cap {
@@ -67,7 +68,7 @@ fn cap_around(axis: vec3f, sine: f32, cosine: f32, is_narrow: bool) -> Cap {
     );
 }
 
-// Maximum chord of a narrow cone. For wider triangles the corners' mean direction is a poor axis.
+// Maximum chord of a narrow cone. For wider triangles, the mean direction of the corners is a poor axis.
 const WIDEST_CHORD: f32 = 1.2;
 
 // Returns a cone around the sum of the corners' directions. A cone narrower than a hemisphere contains the triangle if
@@ -77,7 +78,7 @@ fn triangle_cap(primitive: Primitive) -> Cap {
     let b = normalize(primitive.b - eye_point());
     let c = normalize(primitive.c - eye_point());
     let axis = normalize(a + b + c);
-    // The radius is computed from chords, since a small angle's cosine is inexact.
+    // The radius is computed from chords, since the cosine of a small angle is inexact.
     let chord = max(length(a - axis), max(length(b - axis), length(c - axis)));
     let is_narrow = chord < WIDEST_CHORD;
     let half = 0.5 * select(0.0, chord, is_narrow);
@@ -97,11 +98,11 @@ fn ball_cap(primitive: Primitive) -> Cap {
 
 fn angle_of(sine: f32, cosine: f32) -> f32 { return of_ray(arctangent(F(sine), F(cosine)), 0u); }
 
-// Ranges of angles, radians. phi counts from the table's first column.
+// Ranges of angles, in radians. phi is measured from the table's first column.
 struct Angles {
     theta: vec2f,
     phi: vec2f,
-    all_around: bool,    // any phi is possible
+    all_around: bool,    // whether any phi is possible
 }
 
 fn angles_of(cap: Cap) -> Angles {
@@ -118,9 +119,9 @@ fn angles_of(cap: Cap) -> Angles {
     return Angles(vec2f(theta - cap.radius, theta + cap.radius), vec2f(phi - wide, phi + wide), has_pole);
 }
 
-// Returns the ranges of angles of a triangle. If its cone contains no pole, they are the ranges of its corners. They
-// include the theta at which an edge's great circle comes nearest to a pole. So thin triangles cover no more texels
-// than necessary.
+// Returns the ranges of angles of a triangle. If its cone contains no pole, they are computed from its corners. The
+// range of theta also includes the point at which an edge's great circle comes nearest to a pole. The ranges are
+// tighter than the cone's, so thin triangles cover no more texels than necessary.
 fn triangle_angles(primitive: Primitive) -> Angles {
     let around = angles_of(triangle_cap(primitive));
     if around.all_around { return around; }
@@ -147,8 +148,8 @@ fn phi_beside(v: vec3f, middle: f32) -> f32 {
 const TURN: f32 = 6.2831853;
 
 // Returns the smallest and largest theta of an edge between two unit vectors in the table's axes. If theta falls from
-// both ends towards the middle, or rises from both, its extremum lies between them. The extremum's distance from the
-// pole is the distance of the normal of the edge's plane from the equator.
+// both ends towards the middle, or rises from both, its extremum lies between them. The angle between the extremum and
+// the pole equals the angle between the normal of the edge's plane and the equator.
 fn thetas_of(a: vec3f, b: vec3f) -> vec2f {
     let from_a = angle_of(length(a.xy), a.z);
     let from_b = angle_of(length(b.xy), b.z);
@@ -161,7 +162,7 @@ fn thetas_of(a: vec3f, b: vec3f) -> vec2f {
     return vec2f(low, high);
 }
 
-// Returns the range of texels, within the rows at work, that ranges of angles may reach: first column, first row, last
+// Returns the range of texels, within the current rows, that ranges of angles may reach: first column, first row, last
 // column, last row. If a first value exceeds its last one, the range is empty. Columns may exceed the last one of the
 // table, since they wrap around.
 fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
@@ -191,8 +192,8 @@ fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
     return vec4i(first_column, i32(first_row), last_column, i32(last_row));
 }
 
-// These functions return the first and the last texel that a range of angles may reach. `reaches` has the upper and the
-// lower end of a texel's extent, in texels from the texel's begin.
+// These functions return the first and the last texel that a range of angles may reach. `reaches` holds the upper and
+// the lower end of a texel's extent, in texels from the texel's begin.
 fn begin_of(angle: f32, reaches: vec2f) -> f32 { return ceil(angle / frame.mapping.theta_step - reaches.x); }
 fn end_of(angle: f32, reaches: vec2f) -> f32 { return floor(angle / frame.mapping.theta_step - reaches.y); }
 
@@ -204,7 +205,7 @@ fn on_canvas(texels: Pixels) -> Pixels {
     return Pixels(select(texels.x, texels.x - columns, texels.x >= columns), texels.y);
 }
 
-// Returns rays from the light through texels' middles.
+// Returns rays from the light through texel centres.
 fn rays_from(texels: Pixels) -> Rays {
     return Rays(eye_point(), directions_at(F(texels.y + frame.band.first_row) + 0.5, F(texels.x) + 0.5));
 }
@@ -224,14 +225,14 @@ fn directions_at(rows: F, columns: F) -> F3 {
     );
 }
 
-// Returns which directions may hit a triangle. They lie on the inner side of all planes through the light and an edge,
+// Returns which directions may hit a triangle: they lie on the inner side of all planes through the light and an edge,
 // for one of the two windings. `reach` is a tolerance: the sine of the angle to each plane exceeds -reach.
 fn is_within_edges(primitive: Primitive, directions: F3, reach: f32) -> B {
     let a = primitive.a - eye_point();
     let b = primitive.b - eye_point();
     let c = primitive.c - eye_point();
     let values = triangle_weights(directions, a, b, c);
-    // The normal of a long edge that passes close to the light is mostly rounding.
+    // The normal of a long edge that passes close to the light consists mostly of rounding error.
     let rounding = (length(a) + primitive.reach) * primitive.reach * DOUBT;
     let near = vec3f(
         length(edge_normal(b, c)),
@@ -243,7 +244,7 @@ fn is_within_edges(primitive: Primitive, directions: F3, reach: f32) -> B {
     return one_way | other_way;
 }
 
-// Maximum distance of a direction in a block of 2x2 texels from the block's middle, in rows.
+// Maximum distance of a direction in a block of 2x2 texels from the block's centre, in rows.
 const BLOCK_REACH: f32 = 1.5;
 
 // Returns the blocks of a tile of texels, one bit each, that may lie within a triangle's edges.
@@ -275,14 +276,14 @@ fn angles_around(primitive: Primitive) -> Angles {
 }
 
 //! if canvas is middles
-// Returns the texels whose middles a primitive may cover.
+// Returns the texels whose centres a primitive may cover.
 fn drawn_over(primitive: Primitive, canvas: Canvas) -> vec4i {
     let slack = slack_of_places();
     return texels_over(angles_around(primitive), vec2f(0.5 + slack, 0.5 - slack));
 }
 
 //! if canvas is texels
-// Returns the texels that a primitive may touch anywhere.
+// Returns the texels of which a primitive may touch any part.
 fn drawn_over(primitive: Primitive, canvas: Canvas) -> vec4i {
     let slack = slack_of_places();
     return texels_over(angles_around(primitive), vec2f(1.0 + slack, -slack));
@@ -310,10 +311,10 @@ fn draw(primitive: Primitive, slot: u32, texels: Pixels, last: vec2i) -> Later {
 // This variant defers nothing to a second test.
 fn draw_again(primitive: Primitive, slot: u32, texels: Pixels, later: Later) {}
 
-// Maximum distance of a direction in a texel from the texel's middle, in rows.
+// Maximum distance of a direction in a texel from the texel's centre, in rows.
 const TEXEL_REACH: f32 = 0.75;
 
-// Returns the tolerated distance in front of a texel's surface, as a share of the distance from the light.
+// Returns the tolerated distance in front of a texel's surface, as a fraction of the distance from the light.
 fn allowed_before() -> f32 { return frame.mapping.margin * frame.mapping.theta_step + ON_PLANE; }
 
 fn middle_of(texel: vec2f) -> F3 { return directions_at(F(texel.x + 0.5), F(texel.y + 0.5)); }
@@ -321,21 +322,21 @@ fn middle_of(texel: vec2f) -> F3 { return directions_at(F(texel.x + 0.5), F(texe
 // Returns whether a primitive may lie in front of a texel's surface, within the texel. The surface is a plane: the
 // points x, relative to the light, with plane . x = 1.
 fn stands_before(primitive: Primitive, plane: vec3f, texel: vec2f) -> bool {
-    // First tests the largest distance in front of the plane over all points of the primitive, also outside the texel.
-    // The tolerance is that of a texel that faces the plane, which is the smallest tolerance.
+    // First tests the largest distance in front of the plane over all points of the primitive, including points outside
+    // the texel. This test uses the smallest tolerance, for a texel that faces the plane.
     let size = length(plane);
     if size > 0.0 && 1.0 + most_along(primitive, -plane) <= allowed_before() { return false; }
     return touches_before(primitive, plane, texel);
 }
 
-// Maximum width of a texel, radians. The sides of wider texels, in tables with a few rows, curve by more than is_before
-// moves the corners outwards.
+// Maximum width of a texel, in radians. Tables with few rows may have wider texels. Their sides curve by more than the
+// distance by which is_before moves the corners outwards.
 const WIDEST_TEXEL: f32 = 0.65;
 
 // Returns whether a plane lies in front of another plane somewhere in a texel. The reciprocal of a plane's distance
-// from the light is linear in direction. So the difference between two planes is largest in a corner of the texel. The
-// corners are moved outwards by more than the curvature of the sides and the rounding of directions. NaN counts as in
-// front.
+// from the light is linear in direction. The difference between two planes is therefore largest in a corner of the
+// texel. The corners are moved outwards, by more than the curvature of the sides and the rounding of directions. NaN
+// counts as in front.
 fn is_before(other: vec3f, plane: vec3f, texel: vec2f) -> bool {
     let difference = other - plane;
     let allowed = allowed_before() * length(plane);
@@ -371,7 +372,7 @@ fn ball_touches(primitive: Primitive, texel: vec2f) -> bool {
 }
 
 // Returns the plane of a triangle, relative to the light: the dot product of the result with each point of the plane is
-// 1. The result is 0 for a plane through the light, which does not see the triangle.
+// 1. The result is 0 for a plane through the light, since the light sees such a triangle edge-on.
 fn triangle_plane(primitive: Primitive) -> vec3f {
     let across = cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a));
     let normal = normalize(largest_one(across));
@@ -380,7 +381,7 @@ fn triangle_plane(primitive: Primitive) -> vec3f {
 }
 
 //! if canvas is texels and texels is corners or spheres
-// Returns the plane of the circle of a sphere's outline, as seen from the light. A primitive behind this plane hides no
+// Returns the plane of the circular outline of a sphere, as seen from the light. A primitive behind this plane hides no
 // point of the sphere that faces the light. The result is 0 if the light is inside the sphere.
 fn ball_plane(primitive: Primitive) -> vec3f {
     let center = primitive.a - eye_point();
@@ -391,7 +392,7 @@ fn ball_plane(primitive: Primitive) -> vec3f {
 }
 
 //! if canvas is texels and texels is ellipsoids
-// Returns the plane of an ellipsoid's outline. The plane of the sphere to which the ellipsoid is mapped is mapped back.
+// Returns the plane of an ellipsoid's outline. It is the plane of the mapped sphere's outline, transformed back.
 fn ball_plane(primitive: Primitive) -> vec3f {
     let center = to_sphere(primitive, primitive.a - eye_point());
     let distance = length(center);

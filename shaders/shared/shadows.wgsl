@@ -67,7 +67,7 @@ fn occluders_of(ray: ShadowRay, wanted: B) -> U {
 }
 
 //! if shadows is from_surface or none
-// Rays from the light round differently from those from the surface, so such a test proves no shadow.
+// Rays from the light are rounded differently from rays from the surface, so such a test proves no shadow.
 fn occluded_by(slot: u32, ray: ShadowRay) -> B {
     return B(false);
 }

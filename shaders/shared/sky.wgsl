@@ -20,7 +20,7 @@ fn sky(direction: F3) -> F3 {
 
 //! if sky is map
 // The sky is an equirectangular picture, filtered bilinearly. Its top row is straight up, its middle column faces -z,
-// and columns go round to the right. Columns wrap at the seam. Beyond a pole a row continues at the opposite column.
+// and columns proceed to the right. Columns wrap at the seam. Beyond a pole a row continues at the opposite column.
 const PI: f32 = 3.14159265;
 
 fn sky(direction: F3) -> F3 {

@@ -49,9 +49,9 @@ fn sky_colors(aim: Aim, rays: Four) -> FourColors {
 }
 
 //! if surroundings is map
-// A picture may have a sun of few pixels. So every other ray is sampled by the picture's brightness, the rest by the
-// cosine. Both techniques are combined by the balance heuristic (Veach & Guibas 1995, "Optimally Combining Sampling
-// Techniques").
+// A picture may contain a sun that covers few pixels. Therefore every other ray is sampled by the picture's brightness,
+// and the remaining rays by the cosine. Both techniques are combined by the balance heuristic (Veach & Guibas 1995,
+// "Optimally Combining Sampling Techniques").
 fn bright_rays(aim: Aim) -> u32 { return aim.count / 2u; }
 
 fn cosine_rays(aim: Aim) -> u32 { return aim.count - bright_rays(aim); }

@@ -1,6 +1,6 @@
 // Soft light: extended lights, and ambient light that nearby surfaces occlude. Each source is sampled by several rays
 // per point. The rays are spread evenly (Hammersley points) and shifted by random numbers of the pixel. So no pattern
-// is visible, and a frame repeats bit for bit.
+// is visible, and a frame is reproducible bit for bit.
 
 //! use aims, bvh, camera, counters, dice, fetch, frame, lane, light, pixels, planes, rays, reflectance, sky_light
 //! use surfaces, table, view, visibility
@@ -102,7 +102,7 @@ fn mask_of(aim: Aim, slot: u32, ray: u32) -> u32 {
 }
 
 //! if soft is followed
-// Few points are seen in mirrors, so all their rays are traced at once.
+// Few points are visible in mirrors, so all their rays are traced at once.
 fn mask_of(aim: Aim, slot: u32, ray: u32) -> u32 {
     var mask = 0u;
     var group = 0u;
@@ -115,7 +115,8 @@ fn mask_of(aim: Aim, slot: u32, ray: u32) -> u32 {
 }
 
 //! if soft is asked
-// Number of groups of four rays per dispatch and source. It bounds a thread's work for any number of sources.
+// Number of groups of four rays per dispatch and source. It limits a thread's work per dispatch for any number of
+// sources.
 const ASKED_GROUPS: u32 = 4u;
 
 // Traces rays to frame.lighting.light, beginning with ray frame.lighting.first_ray, from the hits of target pixels.

@@ -1,5 +1,5 @@
-// Samples of source views, as target pixels query them. They are in a texture, since software adapters read textures
-// faster than buffers.
+// Samples of source views, in the form in which target pixels query them. They are in a texture, since software
+// adapters read textures faster than buffers.
 
 // One sample of a source view.
 struct SourceSample {

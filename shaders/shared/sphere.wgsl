@@ -1,6 +1,6 @@
 // Intersection with spheres, after Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection" (Ray
-// Tracing Gems, chapter 7). The distance of the centre from the line is computed from the line's nearest point, so
-// small distant spheres lose no digits.
+// Tracing Gems, chapter 7). The distance of the centre from the line is computed from the line's nearest point. So
+// small distant spheres are intersected without loss of precision.
 
 //! use double_float, fetch, lane, primitive, rays
 

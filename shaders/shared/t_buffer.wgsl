@@ -1,22 +1,22 @@
 // A T-buffer (Raghuvanshi & Dhande, section II) holds for each pixel the t and the primitive of its ray's nearest hit.
 // It is filled by drawing each primitive over the pixels that its projection may reach: their rays are tested against
-// the primitive. Rays and tests are those of traversal, so every t is the same to the bit. A ray that misses the
+// the primitive. Rays and tests are the same as in traversal, so every t is bit-identical. A ray that misses the
 // primitive leaves its pixel unchanged. docs/T-BUFFER.md has the argument.
 //
 // A pixel has two words: the complement of t's bits, and the primitive's slot + 1, or 0 for a miss. Since t is not
-// negative, its bits are ordered like t. Their complements have the reverse order, so the largest complement is the
-// nearest hit.
+// negative, its bits are ordered like t. Their complements have the reverse order, so the largest complement belongs to
+// the nearest hit.
 //
-// The canvas is a picture, or a light's shadow-buffer (shadow_canvas.wgsl).
+// The canvas is a picture or a light's shadow-buffer (shadow_canvas.wgsl).
 
 //! use camera, counters, cutouts, ellipsoid, fetch, frame, lane, pixels, primitive, primitives, projection, rays, tiles
 
-// Lists of the primitives that may cover a pixel's middle, and the number of the pass.
+// Lists of the primitives that may cover a pixel's centre, and the number of the pass.
 struct Drawing {
     few: DrawnHead,                 // primitives that cover few pixels
     more: DrawnHead,                // primitives that cover a few tiles
     parts: DrawnHead,               // parts of primitives that cover many tiles
-    further_parts: atomic<u32>,     // parts requested beyond each primitive's first
+    further_parts: atomic<u32>,     // number of parts in addition to the first part of each primitive
     pass_at_work: u32,              // 1: stores the nearest t; SECOND_PASS: stores its primitive
     entries: array<u32>,
 }
@@ -30,21 +30,21 @@ const SECOND_PASS: u32 = 2u;
 
 // The entries have room for three words per primitive and for FURTHER_PARTS additional parts. A primitive is in one
 // list only. The list `few` grows from the first word. The list `more` grows backwards from the word before
-// primitives_in_tree(). The list `parts` grows backwards from the end. A part has two words: the slot, and the part's
-// index with the number of parts from PARTS_BIT on.
+// primitives_in_tree(). The list `parts` grows backwards from the end. A part has two words. The first one is the slot.
+// The second one holds the part's index, and the number of parts from bit PARTS_BIT upwards.
 const FURTHER_PARTS: u32 = 65536u;
 const PARTS_BIT: u32 = 16u;
-// Number of threads that share a part. They form a vector of a software adapter, which then reads one primitive.
+// Number of threads that share a part. On a software adapter they form one vector, which reads a single primitive.
 const GROUP: u32 = 8u;
-// Number of entries of `few` per thread. A software adapter's vector runs the second test in any case, but only once
-// for all these entries.
+// Number of entries of `few` per thread. A software adapter always runs the second test, but only once for all these
+// entries.
 const FEW_EACH: u32 = 4u;
-// Workgroups in a row of the dispatches over primitives and over each list.
+// Number of workgroups per row of the dispatches over primitives and over each list.
 const PROJECTED_ACROSS: u32 = 1024u;
 const FEW_ACROSS: u32 = 32u;
 const MORE_ACROSS: u32 = 64u;
 const PARTS_ACROSS: u32 = 64u;
-// List entries per row of workgroups.
+// Number of list entries per row of workgroups.
 const FEW_IN_ROW: u32 = FEW_ACROSS * LIST_WORKGROUP * FEW_EACH;
 const MORE_IN_ROW: u32 = MORE_ACROSS * LIST_WORKGROUP;
 const PARTS_IN_ROW: u32 = PARTS_ACROSS * LIST_WORKGROUP / GROUP;
@@ -72,8 +72,8 @@ fn place_of_part(part: u32) -> u32 {
 }
 
 //! if canvas is picture
-// Returns the row whose counters get work of no particular row. It is one of the band's own rows, above which are up to
-// two others.
+// Returns the row whose counters receive work that belongs to no particular row. Up to two rows of the previous band
+// precede the band's own rows. The result is one of the band's own rows.
 fn counted_row() -> u32 {
     return min(frame.band.row_begin + 2u, frame.band.row_end - 1u);
 }
@@ -103,7 +103,8 @@ fn ball_radius(primitive: Primitive) -> f32 { return primitive.reach; }
 fn ball_reach(primitive: Primitive, v: vec3f) -> f32 { return length(half_widths(primitive, v)); }
 
 //! end
-// Upper bound of a dot product's rounding, as a share of one vector's length times the other's absolute components.
+// Upper bound of the rounding error of a dot product, relative to one vector's length times the sum of the other's
+// absolute components.
 const PRODUCT_SLACK: f32 = 1.0 / 1048576.0;
 
 // Returns an upper bound of the dot product of v with the offset from the eye to any point of a triangle.
@@ -115,7 +116,7 @@ fn triangle_most(primitive: Primitive, v: vec3f) -> f32 {
     return max(dot(a, v), max(dot(b, v), dot(c, v))) + farthest * components(v) * PRODUCT_SLACK;
 }
 
-// Returns the same upper bound for a sphere or an ellipsoid.
+// Returns the upper bound of triangle_most for a sphere or an ellipsoid.
 fn ball_most(primitive: Primitive, v: vec3f) -> f32 {
     let center = primitive.a - eye_point();
     let farthest = length(center) + ball_radius(primitive);
@@ -133,15 +134,15 @@ fn rows_at_work() -> Tile {
     return Tile(vec2u(0u, frame.band.first_row + frame.band.row_begin), size);
 }
 
-// Returns whether a primitive lies outside the frustum of the rows at work. Primitives that reach the plane of the eye
-// have no projected bounds, though many lie beside the picture or behind the eye.
+// Returns whether a primitive lies outside the frustum of the current rows. This test also culls primitives that reach
+// the plane of the eye. They have no projected bounds, but many of them lie beside the picture or behind the eye.
 fn is_out_of_sight(primitive: Primitive, projection: Canvas) -> bool {
     let across = min(most_along(primitive, projection.left_plane), most_along(primitive, projection.right_plane));
     let down = min(most_along(primitive, projection.top_plane), most_along(primitive, projection.bottom_plane));
     return min(min(across, down), most_along(primitive, projection.forward)) < 0.0;
 }
 
-// Returns the range of pixels, within the rows at work, that a primitive's projection may reach: first column, first
+// Returns the range of pixels, within the current rows, that a primitive's projection may reach: first column, first
 // row, last column, last row. If a first value exceeds its last one, the range is empty.
 fn drawn_over(primitive: Primitive, projection: Canvas) -> vec4i {
     let bounds = projected_bounds(primitive, projection);
@@ -164,7 +165,7 @@ fn rays_from(pixels: Pixels) -> Rays {
 //! end
 fn is_drawn_nowhere(over: vec4i) -> bool { return any(over.xy > over.zw); }
 
-// Returns how many tiles cover these pixels, counted from the first pixel.
+// Returns the number of tiles that cover these pixels, counted from the first pixel.
 fn tiles_over(over: vec4i) -> u32 {
     let tiles = (vec2u(over.zw + 1 - over.xy) + TILE - 1u) / TILE;
     return tiles.x * tiles.y;
@@ -186,7 +187,7 @@ fn is_none(later: Later) -> bool { return (later.doubtful | later.contested) == 
 // Whether this is the second pass.
 var<private> names_primitives: bool;
 
-// Returns which pixels lie within a last column and row.
+// Returns which pixels lie at or before a last column and row.
 fn before_end(pixels: Pixels, last: vec2i) -> B {
     let end = vec2u(max(last, vec2i(0)));
     return (pixels.x <= U(end.x)) & (pixels.y + frame.band.first_row <= U(end.y));
@@ -201,7 +202,7 @@ fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
     let found = intersect(primitive, rays, scales_of(rays), F(0.0));
     if COUNT && any_ray(inside) { count_test(pixel_of_ray(places, 0u)); }
     var later = Later(bits_of(found.doubtful & inside), 0u);
-    // The condition is that of is_nearer for a ray that has no hit yet.
+    // This is the condition of is_nearer for a ray that has no hit yet.
     var left = found.hit & inside & (found.t >= F(0.0)) & (found.t <= F(FAR));
     loop {
         let ray = first_ray(left);
@@ -223,9 +224,9 @@ fn count_test(pixel: vec2u) {
 }
 
 //! if canvas is picture or middles
-// Stores a ray's hit. Maximum commutes, so the order of threads does not matter in the first pass. It does not matter
-// in the second pass either, if only one primitive has the nearest t. Returns false if another primitive is stored:
-// then the caller must call `claim`.
+// Stores a ray's hit. The maximum is commutative, so the order of threads does not matter in the first pass. It does
+// not matter in the second pass either, if only one primitive has the nearest t. Returns false if another primitive is
+// stored: then the caller must call `claim`.
 fn keep_drawn(place: u32, t: f32, slot: u32) -> bool {
     let key = ~bitcast<u32>(abs(t)); // -0 is 0
     if !names_primitives {
@@ -282,7 +283,7 @@ fn draw_again(primitive: Primitive, slot: u32, pixels: Pixels, later: Later) {
 const TURNS: u32 = 4u / RAYS;
 
 // Draws a primitive over some of the tiles that it may cover, counted row by row. It draws every `apart`-th tile from
-// `begin` on, before `end`. For a triangle only blocks that may lie within its edges are drawn.
+// `begin` on, before `end`. For a triangle, only the blocks that may lie within its edges are drawn.
 fn draw_tiles(primitive: Primitive, slot: u32, over: vec4i, begin: u32, end: u32, apart: u32) {
     let corner = vec2u(over.xy);
     let size = vec2u(over.zw + 1) - corner;

@@ -1,10 +1,10 @@
-// Layout of the shading table. A texel has the bits of three floats in x, y and z. The table is not a uniform: Mesa's
-// software driver compiles a kernel anew for each dispatch in which a loop's end is a uniform.
+// Layout of the shading table. A texel holds the bits of three floats in x, y and z. The table is not a uniform buffer:
+// Mesa's software driver recompiles a kernel for each dispatch in which a loop's end is a uniform.
 
 //! use fetch
 
 const AMBIENT: u32 = 0u;      // linear RGB; the number of lights in w
-// Linear RGB of the sky straight down. For a map: first texel, width, height. w has the index of the first texture
+// Linear RGB of the sky straight down. For a map: first texel, width and height. w holds the index of the first texture
 // head.
 const SKY_NADIR: u32 = 1u;
 const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or of the whole sky

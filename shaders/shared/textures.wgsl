@@ -1,13 +1,13 @@
-// Textures: pictures with mip levels, and checkerboards, in the shading table behind the sky's pixels.
+// Textures: pictures with mip levels, and checkerboards. They follow the sky's pixels in the shading table.
 
 //! use camera, fetch, lane, primitive, rays, triangle
 
-// Path length from the eye to the rays' origin, for rays that mirrors and glass send on.
+// Path length from the eye to the rays' origin, for rays that mirrors and glass reflect or transmit.
 var<private> travelled_before: F;
 
-// A texture's head has its kind in the lowest four bits of x and its wrap mode above them. A picture has z levels, the
-// largest first. Their heads begin at texel y; each has the level's first texel, width and height. A checkerboard has z
-// squares a side. Its colours are the texels y and y + 1.
+// The head of a texture has its kind in the lowest four bits of x and its wrap mode above them. A picture has z levels,
+// the largest first. Their heads begin at texel y; each holds the level's first texel, width and height. A checkerboard
+// has z squares per side. Its colours are the texels y and y + 1.
 const CHECKERBOARD: u32 = 1u;
 const WRAP_REPEAT: u32 = 0u;
 const WRAP_MIRROR: u32 = 1u;
@@ -17,7 +17,7 @@ const WRAP_CLAMP: u32 = 2u;
 struct Lookup {
     uv: vec2f,
     width: f32,    // width of the ray's footprint, in units of uv
-    round: bool,   // on a sphere: u repeats and v ends at the poles, whatever the texture's wrap mode
+    round: bool,   // on a sphere: u repeats and v ends at the poles, for any wrap mode
 }
 
 fn texture_color(head_at: u32, at: Lookup) -> vec3f {
@@ -30,7 +30,7 @@ fn texture_color(head_at: u32, at: Lookup) -> vec3f {
     }
     let largest = vec2f(table_texel(head.y).yz);
     // The level is chosen by area, since the footprint is a square. The level whose pixels have the footprint's size
-    // comes nearest to the mean of 64 rays a pixel. Half a level finer or coarser is less exact, or flickers more
+    // comes nearest to the mean of 64 rays per pixel. Half a level finer or coarser is less exact, or flickers more
     // between the eyes (tests/it/textures/filter.rs).
     let pixels = at.width * sqrt(largest.x * largest.y);
     let level = clamp(log2(max(pixels, 1e-9)), 0.0, f32(head.z - 1u));
@@ -54,9 +54,10 @@ fn near_unit(x: f32, wrap: u32) -> f32 {
 }
 
 // Returns the mean of a square wave over an interval of this width around `place`. The wave is 1 in a row's first
-// square, -1 in its second and so on. The wave is wrapped like the texture.
+// square, -1 in its second and so on. It is wrapped like the texture.
 fn wave_mean(place: f32, width: f32, squares: i32, wrap: u32) -> f32 {
-    // For a small width, a difference of integrals would cancel. Such an interval contains one edge at most.
+    // For a small width, the difference of integrals would suffer from cancellation. The interval then contains one
+    // edge at most.
     if width < 1.0 {
         let edge = floor(place + 0.5);
         let before = clamp((edge - place) / max(width, 1e-6) + 0.5, 0.0, 1.0);
@@ -69,7 +70,7 @@ fn wave(square: i32, squares: i32, wrap: u32) -> f32 {
     return f32(1 - 2 * (wrapped(square, squares, wrap) & 1));
 }
 
-// Returns the wave's integral from 0 on.
+// Returns the integral of the wave from 0 to x.
 fn wave_sum(x: f32, squares: i32, wrap: u32) -> f32 {
     let all = f32(squares);
     let odd = f32(squares & 1);
@@ -134,7 +135,7 @@ fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     let direction = of_ray3(rays.direction, ray);
     let slot = of_ray_u(hits.slot, ray);
     let across = footprint(of_ray(hits.t, ray) + of_ray(travelled_before, ray));
-    // Directions have length 1 along the view axis. So a longer direction, whose pixel is more oblique, is not
+    // Directions have length 1 along the view axis. The directions of oblique pixels are longer, so they are not
     // normalised here.
     let side = across * inverseSqrt(max(abs(dot(surface.geometric_normal, direction)), 0.01));
     if (surface.component & IS_SPHERE) != 0u { return ball_lookup(surface.outward, surface.radius, side); }

@@ -22,7 +22,7 @@ fn bound_place(pixel: vec2u) -> u32 {
     return BOUND_WORDS * (pixel.y / TILE * tiles_across() + pixel.x / TILE);
 }
 
-// Returns the number of tiles in the rows at work.
+// Returns the number of tiles in the current rows.
 fn tiles_at_work() -> u32 {
     return (frame.band.row_end - frame.band.row_begin + TILE - 1u) / TILE * tiles_across();
 }

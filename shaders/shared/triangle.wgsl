@@ -1,10 +1,10 @@
 // Watertight triangle intersection, by the signs of the rays' Plücker products with the edges (Amanatides & Choi 1997;
 // Kensler & Shirley 2006), as in Embree.
 //
-// An edge's normal is cross(p + q, q - p), twice cross(p, q), for its ends p and q relative to the rays' origin. The
-// neighbour across the edge swaps p and q. The sum stays the same, and the difference and every product only change
-// sign, so rounding opens no gap. With the difference the error is relative to the edge's length, not to its distance.
-// Normals depend on the origin only, so a lane's rays share them.
+// An edge has ends p and q relative to the rays' origin. Its normal is cross(p + q, q - p), which is twice cross(p, q).
+// The neighbour across the edge swaps p and q. The sum stays the same, and the difference and every product only change
+// sign, so rounding opens no gap. Using the difference makes the error relative to the edge's length instead of its
+// distance. Normals depend on the origin only, so a lane's rays share them.
 
 // A triangle's three texels hold the corners in xyz; the edge from a to b is the shortest. Their w hold id, component
 // and material. If the scene has vertex normals, they are in a fourth texel (below).
@@ -25,8 +25,8 @@ fn triangle_weights(direction: F3, a: vec3f, b: vec3f, c: vec3f) -> F3 {
     );
 }
 
-// The error of an edge product is below this share of the direction's length, the corners' distance and the edge's
-// length. It covers 18 roundings of f32 at most, including those of look_again's projections. See DESIGN, section 9.
+// The error of an edge product is below this fraction of the direction's length times the corners' distance times the
+// edge's length. It covers at most 18 roundings of f32, including the projections of look_again. See DESIGN, section 9.
 const DOUBT: f32 = 22.0 / 16777216.0;
 
 // Intersects rays with a triangle. The result is uncertain if rounding might decide on which side of an edge a ray
@@ -43,8 +43,8 @@ fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found
     let inside = larger(least, -most);
     let bound = scales.length * ((sqrt(dot(a, a)) + primitive.reach) * primitive.reach * DOUBT);
     // t is the intersection with the triangle's plane. The edge from a to b is the shortest, so the normal of a long
-    // thin triangle is exact too. At a hit all weights exceed their bound. So the plane is not so nearly parallel to
-    // the ray that t could leave the triangle.
+    // thin triangle is exact too. At a hit all weights exceed their bound. So the plane cannot be so nearly parallel to
+    // the ray that t leaves the triangle.
     let normal = cross(b - a, c - a);
     let t = F(dot(normal, a)) / along(direction, normal);
     let hit = inside > bound;
@@ -57,10 +57,10 @@ fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found
 }
 
 // Returns one ray's t after an uncertain test, or -1 for a miss (Woop, Benthin & Wald 2013). Each corner is projected
-// along the ray by itself, so all triangles that share it agree on its place. An edge product is then a difference of
-// two exact products, so its sign is exact. If the products are equal, the ray is inside for both triangles of the
-// edge: rays through an edge or a vertex are not lost. A triangle whose corners fall on one line is missed, and a
-// neighbour is hit.
+// along the ray independently, so all triangles that share the corner agree on its position. An edge product is then a
+// difference of two exact products, so its sign is exact. If the products are equal, the ray is inside for both
+// triangles of the edge. So rays through an edge or a vertex are not lost. A triangle whose projected corners are
+// collinear is missed, and a neighbour is hit.
 fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) -> f32 {
     let a = primitive.a - origin;
     let b = primitive.b - origin;
@@ -80,7 +80,7 @@ fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) ->
     if CLOSE && is_close(a, b, c, primitive.reach) {
         t = plane_t(origin, direction, primitive.a, primitive.b, primitive.c);
     }
-    // For a ray along the triangle the plane's t is poor, so it is clamped to the corners' t.
+    // For a ray along the triangle's plane, t is inexact, so it is clamped to the range of the corners' t.
     let t_corner = vec3f(dot(direction, a), dot(direction, b), dot(direction, c)) / dot(direction, direction);
     let near = min(t_corner.x, min(t_corner.y, t_corner.z));
     let far = max(t_corner.x, max(t_corner.y, t_corner.z));

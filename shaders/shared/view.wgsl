@@ -19,7 +19,7 @@ fn keep_view(pixels: Pixels, wanted: B, samples: Samples) {
     }
 }
 
-// Stores hits of pixels: depth and slot.
+// Stores the hits of pixels: depth and slot.
 fn keep_hits(pixels: Pixels, wanted: B, hits: Hits) {
     let slots = select(hits.slot, U(MISS), hits.primitive == U(MISS));
     var ray = 0u;

@@ -3,8 +3,8 @@
 //! use bits, camera, dice, frame, lane, light, lists, pixels, rays, shadow_buffer, shadows, source_samples
 
 //! if visibility is traced
-// Visibility is always computed anew, by a shadow-buffer or a shadow ray. It is kept for the other eye if the method
-// reuses it.
+// Visibility is always computed by a shadow-buffer or a shadow ray. It is stored for the other eye if the method reuses
+// it.
 
 // The list of pixels that shade_listed shades.
 const TO_SHADE: u32 = TO_TRACE;
@@ -52,7 +52,7 @@ fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
 }
 
 //! if visibility is taken
-// Reuses the samples of the source view. A pixel with an unknown bit is deferred.
+// Reuses the samples of the source view. A pixel with an unknown bit is deferred to shade_listed.
 
 var<private> put_off: B;
 
@@ -120,14 +120,14 @@ fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
 }
 
 // Queries the samples like ask_source, for a lane whose pixels are all in one tile. The tile's busy lights are read
-// once.
+// only once.
 fn ask_source_in_tile(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
     taken = taken_bits(pixels, hits, surfaces, U(busy_near(pixel_of_ray(pixels, 0u))));
 }
 
-// Returns the share of a source's rays that arrive, or -1 if unknown. If both samples see all of the source or nothing
-// of it, their share is reused. Otherwise the share is interpolated, if chance explains the samples' difference and the
-// penumbra is not narrow.
+// Returns the share of a source's rays that arrive, or -1 if unknown. If both samples see all of the source, or both
+// see none of it, their share is reused. Otherwise the share is interpolated, if chance explains the samples'
+// difference and the penumbra is not narrow.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let bit = light_mask(light);
     if KEEP_SHARES && slot < SHARES && (of_ray_u(taken.busy, ray) & (1u << (16u + slot))) != 0u { return -1.0; }

@@ -1,5 +1,5 @@
-// The pixels that a kernel works on: all of the rows at work, or those in a mask, as for adaptive samples
-// (src/render/adaptive.rs).
+// The pixels that a kernel processes: all pixels of the current rows, or only the pixels of a mask, as for adaptive
+// samples (src/render/adaptive.rs).
 
 //! use frame, lane, pixels, tiles
 
@@ -13,10 +13,10 @@ fn is_any_wanted(corner: vec2u) -> bool { return true; }
 fn is_left_out(depth: f32) -> bool { return false; }
 
 //! if wanted is masked
-// One bit a pixel of the current view. A texel holds 128 pixels of a row, the first one in the lowest bit.
+// One bit per pixel of the current view. A texel holds 128 pixels of a row, the first one in the lowest bit.
 var wanted_pixels: texture_2d<u32>;
 
-// Depth of a source pixel that was not wanted. Such a pixel has no sample, not even of the sky.
+// Depth of a source pixel that was not wanted. The pixel has no sample, not even a sky sample.
 const LEFT_OUT: f32 = 0.0;
 
 // Returns the mask's word that contains the bit of `pixel`, with the bits of 32 pixels of a row.

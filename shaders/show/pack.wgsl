@@ -1,7 +1,7 @@
-// Copies the parts of a view's pixels that the host asked for. This saves a quarter to three quarters of the bytes to
+// Copies the requested parts of a view's pixels for the host. This saves a quarter to three quarters of the bytes to
 // read back.
 //
-// launch  one thread per pixel of the rows at work
+// launch  one thread per pixel of the current rows
 // reads   view    [rows * width]
 // writes  packed  [words_read][rows * width]  colour with marks in place of alpha, which is 255; then depth; then slot
 

@@ -1,10 +1,10 @@
 // Writes a view's picture to a texture on the device, and counts threads that did not finish.
 //
-// launch  one thread per pixel of the rows at work
+// launch  one thread per pixel of the current rows
 // reads   view        [rows * width]
 // reads   counters    [rows * COUNTERS]  CUT_SHORT
 // writes  picture     [height, width]    sRGB-encoded, alpha 1
-// adds    unfinished  [1]                threads that an adapter ended
+// adds    unfinished  [1]                number of threads that an adapter ended early
 
 //! use counters, frame, pixels
 

@@ -1,8 +1,8 @@
 // Writes a view's depth to a texture on the device.
 //
-// launch  one thread per pixel of the rows at work
+// launch  one thread per pixel of the current rows
 // reads   view     [rows * width]
-// writes  picture  [height, width]  depth, FAR where nothing was hit
+// writes  picture  [height, width]  depth, FAR for a miss
 
 //! use frame, pixels
 

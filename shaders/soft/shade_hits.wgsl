@@ -1,9 +1,9 @@
 // Pass 1 of 3 with soft light, last part: shades a view from its hits and writes its pixels.
 //
-// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
-// updates view            [height * width]
-// writes  kept_samples  texture, by bracket
-// adds    counters        [height * COUNTERS]; reads masks behind them
+// launch  one thread per block of 1x1 or 2x2 pixels of the current rows
+// updates view          [height * width]
+// writes  kept_samples  texture, for `bracket`
+// adds    counters      [height * COUNTERS]; reads the masks after them
 
 //! use camera, counters, dice, lane, pixels, shade, surfaces, view, wanted
 

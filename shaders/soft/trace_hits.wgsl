@@ -1,7 +1,7 @@
-// Pass 1 of 3 with soft light, first part: finds what each pixel of a view hits. trace_soft and shade_hits do the rest.
+// Pass 1 of 3 with soft light, first part: finds the hit of each pixel of a view. trace_soft and shade_hits follow.
 //
-// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
-// writes  view      [height * width]      all but color
+// launch  one thread per block of 1x1 or 2x2 pixels of the current rows
+// writes  view      [height * width]      all fields except color
 // adds    counters  [height * COUNTERS]
 
 //! use bvh, camera, counters, lane, pixels, planes, rays, view, wanted

@@ -1,8 +1,8 @@
-// Traces rays from each pixel's hit to points on one extended light, or into the surroundings.
+// Traces rays from each pixel's hit to points on one extended light, or to the surroundings.
 //
-// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
+// launch  one thread per block of 1x1 or 2x2 pixels of the current rows
 // reads   view      [height * width]
-// adds    counters  [height * COUNTERS], and masks behind them
+// adds    counters  [height * COUNTERS], and the masks after them
 
 //! use lane, pixels, soft, wanted
 

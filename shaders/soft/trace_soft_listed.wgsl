@@ -1,10 +1,10 @@
-// Like trace_soft.wgsl, for listed pixels of the target. Sources whose share is known from the source's samples are
-// skipped.
+// Traces soft light like trace_soft.wgsl, for listed pixels of the target. Sources whose share is known from the
+// source's samples are skipped.
 //
-// launch  one thread per entry of the list, or per four, dispatched indirectly
+// launch  one thread per list entry, or per four entries, dispatched indirectly
 // reads   lists     TO_SHADE
 // reads   view      [height * width]
-// adds    counters  [height * COUNTERS], and masks behind them
+// adds    counters  [height * COUNTERS], and the masks after them
 
 //! use lane, lists, pixels, soft, visibility
 

@@ -1,5 +1,5 @@
-// Runs before each pass of a T-buffer. Increments the pass number and sets how many workgroups draw the primitives that
-// project_primitives listed. The host has emptied the lists before.
+// Runs before each pass of a T-buffer. It increments the pass number and sets the number of workgroups that draw the
+// primitives listed by project_primitives. The host has emptied the lists before.
 //
 // launch  one thread
 // updates drawing

@@ -1,10 +1,10 @@
 // T-buffer, both passes, and the marks of a shadow-buffer: draws primitives that cover few pixels. One thread draws all
 // pixels of a primitive. One kernel serves both passes, so that both compute the same t.
 //
-// launch  one thread per FEW_EACH entries of the few, dispatched indirectly
+// launch  one thread per FEW_EACH entries of the list `few`, dispatched indirectly
 // reads   drawing
-// updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
-// adds    counters   [height * COUNTERS], and the cost map behind them, if requested
+// updates t_buffer   [height * width * 2]; for the marks of a shadow-buffer [height * width * 4]
+// adds    counters   [height * COUNTERS], and the cost map after them, if requested
 
 //! use counters, lane, pixels, primitive, shadow_canvas, t_buffer
 
@@ -14,7 +14,7 @@ var<storage, read_write> drawing: Drawing;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn draw_few(@builtin(global_invocation_id) id: vec3u) {
-    // The threads of a workgroup take neighbouring entries first, then the next ones.
+    // The threads of a workgroup first take neighbouring entries, then the next ones.
     let first = id.y * FEW_IN_ROW + id.x / LIST_WORKGROUP * (LIST_WORKGROUP * FEW_EACH) + id.x % LIST_WORKGROUP;
     let end = min(first + LIST_WORKGROUP * FEW_EACH, atomicLoad(&drawing.few.count));
     if first >= end { return; }
@@ -34,7 +34,7 @@ fn draw_few(@builtin(global_invocation_id) id: vec3u) {
             let corner = vec2u(over.xy);
             let blocks = (vec2u(max(over.zw + 1 - over.xy, vec2i(0))) + BLOCK - 1u) / BLOCK;
             loop {
-                // A primitive that touches a shadow-buffer's texels often covers no texel's middle. It may also cover
+                // A primitive that touches a shadow-buffer's texels often covers no texel's centre. It may also cover
                 // nothing now, if bounds are rounded differently than in project_primitives.
                 if any(block >= blocks) { break; }
                 pixels = pixels_from(corner + block * BLOCK);

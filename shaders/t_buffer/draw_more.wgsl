@@ -1,9 +1,9 @@
 // T-buffer, both passes, and the marks of a shadow-buffer: draws primitives that cover a few tiles, one thread each.
 //
-// launch  one thread per entry, dispatched indirectly
+// launch  one thread per entry of the list `more`, dispatched indirectly
 // reads   drawing
-// updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
-// adds    counters   [height * COUNTERS], and the cost map behind them, if requested
+// updates t_buffer   [height * width * 2]; for the marks of a shadow-buffer [height * width * 4]
+// adds    counters   [height * COUNTERS], and the cost map after them, if requested
 
 //! use counters, pixels, primitive, shadow_canvas, t_buffer
 

@@ -3,8 +3,8 @@
 //
 // launch  GROUP threads per part, dispatched indirectly
 // reads   drawing
-// updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
-// adds    counters   [height * COUNTERS], and the cost map behind them, if requested
+// updates t_buffer   [height * width * 2]; for the marks of a shadow-buffer [height * width * 4]
+// adds    counters   [height * COUNTERS], and the cost map after them, if requested
 
 //! use counters, pixels, primitive, shadow_canvas, t_buffer
 
@@ -22,7 +22,7 @@ fn draw_parts(@builtin(global_invocation_id) id: vec3u) {
     let primitive = primitive_at(slot);
     let over = drawn_over(primitive, canvas_at_work());
     if is_drawn_nowhere(over) { return; }
-    // Tiles are divided anew, so none is left out if drawn_over rounds differently than in project_primitives.
+    // Tiles are distributed again, so none is missed if drawn_over rounds differently than in project_primitives.
     let tiles = tiles_over(over);
     let parts = part >> PARTS_BIT;
     let share = (tiles + parts - 1u) / parts;

@@ -1,7 +1,7 @@
-// T-buffer, first part: lists primitives that may cover the middle of a pixel of the rows at work
-// (shared/t_buffer.wgsl). For the marks of a shadow-buffer they may cover any part of a texel. There are three lists:
-// primitives that cover few pixels, those that cover a few tiles, and larger ones in parts. So the vectors of a
-// software adapter are full when they draw, and both passes draw from one projection.
+// T-buffer, first part: lists primitives that may cover the centre of a pixel of the current rows
+// (shared/t_buffer.wgsl). For the marks of a shadow-buffer, it lists primitives that may cover any part of a texel.
+// There are three lists: primitives that cover few pixels, primitives that cover a few tiles, and parts of larger
+// primitives. This keeps the vectors of a software adapter full during drawing, and both passes use one projection.
 //
 // launch  one thread per primitive of the tree
 // adds    counters   [height * COUNTERS]
@@ -12,8 +12,8 @@
 var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> drawing: Drawing;
 
-// Maximum number of pixels of a primitive in the first list, and of tiles that a thread draws alone. The rest of the
-// thread's vector waits meanwhile.
+// Maximum number of pixels of a primitive in the first list, and maximum number of tiles that a thread draws alone. The
+// rest of the thread's vector waits meanwhile.
 const FEW_PIXELS: u32 = 32u;
 const MORE_TILES: u32 = 8u;
 // Number of tiles of a part. Each thread of a group draws an eighth of them.
@@ -43,8 +43,8 @@ fn project_primitives(@builtin(global_invocation_id) id: vec3u) {
     count_view(counted_row(), 0u, 1u, 0u);
 }
 
-// Lists a primitive that covers this many tiles in parts, or whole if there is no room. So no thread draws a very large
-// primitive alone.
+// Lists a primitive that covers this many tiles in parts, or as one part if there is no room. So no thread draws a very
+// large primitive alone.
 fn list_parts(slot: u32, tiles: u32) {
     var parts = clamp((tiles + PART_TILES - 1u) / PART_TILES, 1u, MOST_PARTS);
     if parts > 1u && atomicAdd(&drawing.further_parts, parts - 1u) + (parts - 1u) > FURTHER_PARTS { parts = 1u; }

@@ -1,10 +1,10 @@
 // Writes the hit of each pixel of a view, as trace_hits does, from a T-buffer and the planes. Planes are not drawn,
 // since their projections are unbounded. Each ray tests them here, as closest_hit does before traversal. A pixel with a
-// t but no primitive is listed to be traced: on some adapters two kernels of one text may round differently.
+// t but no primitive is listed to be traced: on some adapters, two kernels with the same source may round differently.
 //
-// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
+// launch  one thread per block of 1x1 or 2x2 pixels of the current rows
 // reads   t_buffer  [height * width * 2]
-// writes  view      [height * width]      all but color; of a listed pixel depth 0, from which it is traced
+// writes  view      [height * width]      all fields except color; listed pixels get depth 0, where their ray begins
 // adds    counters  [height * COUNTERS]
 // appends lists     TO_TRACE
 

@@ -1,9 +1,9 @@
-// Traces and shades one view like trace_left.wgsl, in as many dispatches as it takes (shared/in_steps.wgsl).
+// Traces and shades one view like trace_left.wgsl, in as many dispatches as necessary (shared/in_steps.wgsl).
 //
-// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work, until all have finished
-// updates steps     a lane per thread of the launch
+// launch  one thread per block of 1x1 or 2x2 pixels of the current rows, until all have finished
+// updates steps     one lane per thread of the launch
 // writes  view      [height * width]
-// adds    counters  [height * COUNTERS], and the cost map behind them, if requested
+// adds    counters  [height * COUNTERS], and the cost map after them, if requested
 
 //! use bvh, camera, counters, dice, frame, in_steps, lane, pixels, planes, rays, shade, surfaces, view, wanted
 

@@ -1,9 +1,9 @@
-// Pass 1 of 3: traces and shades one view, and stores what each pixel hit. `Naive` runs it for every view.
+// Pass 1 of 3: traces and shades one view, and stores the hit of each pixel. `Naive` runs it for every view.
 //
-// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
-// writes  view                            [height * width]
-// writes  kept_samples                    texture, by bracket
-// adds    counters                        [height * COUNTERS], and the cost map behind them, if requested
+// launch  one thread per block of 1x1 or 2x2 pixels of the current rows
+// writes  view          [height * width]
+// writes  kept_samples  texture, for `bracket`
+// adds    counters      [height * COUNTERS], and the cost map after them, if requested
 
 //! use camera, counters, dice, lane, pixels, shade, view, wanted
 

@@ -161,8 +161,8 @@ fn push_sorted<C: Ord + Copy + Send>(
     }
 }
 
-/// Sorts boxes of equal codes. The order is that of finer codes within the bounds of their centres. If all centres are
-/// equal, boxes are sorted by area.
+/// Sorts boxes of equal codes by finer codes within the bounds of their centres. If all centres are equal, boxes are
+/// sorted by area.
 fn push_run(boxes: &[Aabb], mut run: Vec<u32>, compare: &impl Fn(u32, u32) -> Ordering, order: &mut Vec<u32>) {
     let center = |index: u32| boxes[index as usize].min.as_dvec3() + boxes[index as usize].max.as_dvec3();
     let around = |(low, high): (DVec3, DVec3), &index: &u32| (low.min(center(index)), high.max(center(index)));
@@ -177,7 +177,7 @@ fn push_run(boxes: &[Aabb], mut run: Vec<u32>, compare: &impl Fn(u32, u32) -> Or
         order.append(&mut run);
         return;
     }
-    // The factor is below 1, since the code of 1 equals that of 0. Each round thus separates at least two centres.
+    // The factor is below 1, since 1 would get the same code as 0. Each round thus separates at least two centres.
     let scale = 0.999 / (high - low).max_element();
     let code = |index: u32| morton_encode_u64_unorm((center(index) - low) * scale);
     push_sorted(boxes, run.iter().map(|&index| (code(index), index)).collect(), compare, order);
@@ -360,7 +360,7 @@ mod tests {
         }
     }
 
-    /// For these boxes obvhs alone takes minutes, or panics.
+    /// For these boxes, obvhs alone takes minutes or panics.
     #[test]
     fn boxes_that_prefer_one_partner_are_built_quickly_and_no_deeper_than_kernels_can_go() {
         let mut random = Random::new(5);
@@ -392,7 +392,7 @@ mod tests {
                 let depth = check(&tree, &boxes);
                 println!("{name}, {build_kind:?}: {depth} deep, {elapsed:.2?}");
                 assert!(depth <= MAX_DEPTH, "{name}, {build_kind:?}: {depth} deep");
-                // A build takes up to 1.4 s on a busy machine. With a pass per merged pair it would take a minute or
+                // A build takes up to 1.4 s on a busy machine. With one pass per merged pair it would take a minute or
                 // more.
                 assert!(elapsed < Duration::from_secs(15), "{name}, {build_kind:?}: {elapsed:?}");
             }

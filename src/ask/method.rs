@@ -14,8 +14,7 @@ pub enum Method {
     Auto,
     /// Traces both views: the baseline and the ground truth.
     Naive,
-    /// Copies the left view. Its time is a bound on what reuse can save. The picture is wrong wherever there is
-    /// parallax.
+    /// Copies the left view. Its time is a bound on the savings of reuse. The picture is wrong where there is parallax.
     Ideal,
     /// A right pixel reuses the nearest left sample that lands in it, selected by atomicMax (thesis, 3.1.2.2).
     Atomic(Check),
@@ -71,7 +70,7 @@ pub enum Sweep {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ShadowReuse {
-    /// Reuses no bits: every shadow ray is traced, and the picture is identical to that of [`Method::Naive`].
+    /// Reuses no bits: every shadow ray is traced, and the picture is identical to the picture of [`Method::Naive`].
     Rays,
     /// Reuses a bit if the two left samples next to the point agree on it.
     Two,

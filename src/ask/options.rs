@@ -117,7 +117,7 @@ impl AmbientOcclusion {
 #[non_exhaustive]
 pub struct Adaptive {
     /// Number of levels, 2 to 5, counting the pixel corners as the first. A pixel divided at every level has 3, 5, 9 or
-    /// 17 samples a side.
+    /// 17 samples per side.
     pub levels: u32,
     /// Largest difference of a cell's corners, in any 8-bit channel, that leaves the cell undivided; 0 to 255.
     pub tolerance: f32,
@@ -249,7 +249,7 @@ impl Options {
     /// [`View::cost`](crate::View::cost), [`Statistics`](crate::Statistics) and [`Work`](crate::Work) count all rays.
     /// Depth, ids and pixel sources are not filtered: they come from one ray through the pixel's centre. Without
     /// jitter, odd grids (9, 25, 49) have their middle sample there. Other grids have no sample there. A second picture
-    /// with one sample per pixel is then rendered too, and its rows are kept until those of the first are done.
+    /// with one sample per pixel is then rendered too. Its rows are kept until the rows of the first picture are done.
     /// [`GBuffer::None`] skips the second picture. Then [`PixelSource`](crate::PixelSource) and
     /// [`ShadowSource`](crate::ShadowSource) come from the middle cell, or from the cell right of and below the middle.
     pub fn samples(mut self, samples: u32) -> Self {
@@ -275,7 +275,7 @@ impl Options {
     /// [`Method::Bracket`] or [`Method::Auto`]. Other settings are errors. Source views trace the corners of a divided
     /// cell again, since samples for reuse are not kept between levels. These repeated rays are a quarter of the rays
     /// of source views. Depth, ids and pixel sources come from one more ray through the pixel's centre. With
-    /// [`GBuffer::None`] that ray is not traced, and pixel and shadow sources are those of the sample in the upper left
+    /// [`GBuffer::None`] that ray is not traced. Pixel and shadow sources then come from the sample in the upper left
     /// corner.
     pub fn adaptive(mut self, adaptive: impl Into<Option<Adaptive>>) -> Self {
         self.adaptive = adaptive.into();
@@ -283,9 +283,9 @@ impl Options {
     }
 
     /// Sets whether the sample grid is jittered; on by default. Each row of samples is shifted by its own offset, the
-    /// same in all views. The offsets of a pixel's n rows are `(k + 1/2) / n - 1/2` cell widths, for k from 0 to n - 1,
-    /// in an order that depends on [`Options::seed`] and the row. A nearly vertical edge then has n² levels in place of
-    /// n; a horizontal edge keeps n. With one sample per pixel, the sample stays in the pixel's centre.
+    /// same in all views. The offsets of a pixel's n rows are `(k + 1/2) / n - 1/2` cell widths, for k from 0 to n - 1.
+    /// Their order depends on [`Options::seed`] and the row. A nearly vertical edge then has n² levels instead of n. A
+    /// horizontal edge keeps n levels. With one sample per pixel, the sample stays in the pixel's centre.
     pub fn jitter(mut self, jitter: bool) -> Self {
         self.jitter = jitter;
         self

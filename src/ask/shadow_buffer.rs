@@ -41,10 +41,10 @@ pub enum ShadowRule {
         /// the angle to the light, as the depth range of a texel does. At least 0.
         bias: f32,
     },
-    /// A point is lit if nothing stands in front of its texel's plane, and the point lies on or in front of that plane.
+    /// A point is lit if nothing lies in front of its texel's plane, and the point lies on or in front of that plane.
     /// It is hidden if its own shadow ray hits a primitive that texels show. Otherwise a shadow ray is traced
-    /// (`docs/SHADOW-BUFFER.md`). Without a margin the shadows equal those of rays, except for occluders less than 2⁻¹⁸
-    /// of the light's distance off a surface.
+    /// (`docs/SHADOW-BUFFER.md`). Without a margin, shadows equal ray-traced shadows, except for occluders less than
+    /// 2⁻¹⁸ of the light's distance off a surface.
     Hybrid {
         /// Distance in texel widths, at least 0. An occluder is ignored if it lies in front of a texel's plane by less
         /// than this distance. A point of a curved surface may lie this far behind the plane. Occluders this close to a

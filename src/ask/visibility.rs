@@ -19,7 +19,7 @@ pub enum Visibility {
     /// primitive is projected once per view and band of rows ([`Work::nodes`](crate::Work::nodes)). On software
     /// adapters the picture is identical, to the bit.
     ///
-    /// Rays are traced nevertheless
+    /// Rays are still traced
     ///
     /// - where pixels are masked ([`Options::adaptive`](crate::Options::adaptive), except the first level and pixel
     ///   centres),

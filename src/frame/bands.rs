@@ -4,18 +4,21 @@ use std::ops::Range;
 
 use crate::{Gpu, kernel::layout};
 
-/// The rows of a band are a multiple of this, except the last ones: whole workgroups of the tiles' search.
+/// The number of rows of a band is a multiple of this, except in the last band. A band then consists of whole
+/// workgroups of the search of tiles.
 const WHOLE: u32 = layout::WORKGROUP * layout::TILE;
 
-/// Rows kept above and below a band for steps that read them: the adjacent row, and more to keep tiles whole.
+/// Number of rows kept above and below a band for steps that read neighbouring rows. Steps read fewer rows; the others
+/// keep tiles whole.
 const HALO: u32 = layout::TILE;
 
-/// Most pixels of all views of a band, unless its least number of rows has more: 64 MiB.
+/// Maximum number of pixels of all views of a band: 64 MiB. Bands with the minimum number of rows may have more.
 const VIEWS_PIXELS: u32 = 1 << 22;
 
-/// Returns the approximate pixels of a band, for up to five lights; more lights reduce it. On a software adapter this
-/// is some 1.5 million rays. A GPU has thousands of threads to feed, and a watchdog that ends a submission after a
-/// second or more. With eight times as many rays, a slow GPU takes a fifth of that time.
+/// Returns the approximate number of pixels of a band, for up to five lights. More lights reduce it. On a software
+/// adapter this number corresponds to about 1.5 million rays. A GPU needs work for thousands of threads, but its
+/// watchdog ends a submission after a second or more. A slow GPU traces eight times as many rays in a fifth of that
+/// time.
 pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
     match gpu.adapter_info().device_type {
         wgpu::DeviceType::Cpu => 1 << 18,
@@ -23,29 +26,30 @@ pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
     }
 }
 
-/// A picture's rows in bands. Rows are epipolar lines of every pair of views (DESIGN, section 2). So all steps of a
-/// band can run before the next band. Data between steps takes the memory of one band, for any size of picture.
+/// Division of a picture's rows into bands. Rows are epipolar lines of every pair of views (DESIGN, section 2). So all
+/// steps of a band can run before the next band. Data between steps take the memory of one band, for any size of
+/// picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Bands {
     height: u32,
-    /// Rows of a band; the last one may have fewer.
+    /// Number of rows of a band. The last band may have fewer.
     pub(crate) rows: u32,
-    /// Rows kept above and below it.
+    /// Number of rows kept above and below a band.
     halo: u32,
 }
 
-/// One band, in the picture's rows.
+/// One band, in rows of the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Band {
     pub(crate) rows: Range<u32>,
-    /// The band's rows plus those above and below that some step reads.
+    /// Rows of the band, and the rows above and below it that some step reads.
     pub(crate) seen: Range<u32>,
-    /// The first row of the frame's buffers.
+    /// Picture row of the buffers' first row.
     pub(crate) first: u32,
 }
 
 impl Bands {
-    /// Makes bands of about `pixels` pixels, for this many views. `reaches` says whether a step reads the rows above
+    /// Creates bands of about `pixels` pixels for this many views. `reaches` says whether a step reads the rows above
     /// and below.
     pub(crate) fn new([width, height]: [u32; 2], pixels: u32, views: usize, reaches: bool) -> Self {
         let pixels = pixels.min(VIEWS_PIXELS / u32::try_from(views).unwrap_or(u32::MAX).max(1));
@@ -59,12 +63,12 @@ impl Bands {
         self.height.div_ceil(self.rows)
     }
 
-    /// Returns the rows of all bands.
+    /// Returns the number of rows of all bands.
     pub(crate) fn height(self) -> u32 {
         self.height
     }
 
-    /// Returns the rows of a frame's buffers.
+    /// Returns the number of rows of a frame's buffers.
     pub(crate) fn rows_kept(self) -> u32 {
         self.rows + 2 * self.halo
     }
@@ -72,7 +76,7 @@ impl Bands {
     pub(crate) fn get(self, index: u32) -> Band {
         let begin = index * self.rows;
         let end = self.height.min(begin + self.rows);
-        // Two rows above it: the four rays of a lane take two rows, which stay together.
+        // Two rows above the band are needed, since the four rays of a lane take two rows, which stay together.
         let (above, below) = (self.halo.min(2), self.halo.min(1));
         Band {
             rows: begin..end,
@@ -89,7 +93,7 @@ impl Band {
         Self { rows: moved(self.rows), seen: moved(self.seen), first: self.first + top }
     }
 
-    /// Returns its rows, counted from the first row of the buffers.
+    /// Returns the band's rows, counted from the first row of the buffers.
     pub(crate) fn place(&self) -> Range<u32> {
         self.rows.start - self.first..self.rows.end - self.first
     }

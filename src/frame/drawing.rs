@@ -1,30 +1,32 @@
-//! The lists of a T-buffer: their sizes, and the dispatch over primitives.
+//! Sizes of a T-buffer's lists, and the size of the dispatch over primitives.
 
 use crate::{
     gpu::Gpu,
     kernel::{layout::LIST_WORKGROUP, variant::Variant},
 };
 
-/// Bytes of `Drawing` before its entries (`shaders/shared/t_buffer.wgsl`, like the following constants).
+/// Offset of the entries in `Drawing`, in bytes. `shaders/shared/t_buffer.wgsl` determines this and the following
+/// constants.
 pub(crate) const DRAWING_HEAD: u64 = 56;
-/// Bytes of a primitive's entries, and of a further part.
+/// Size of a primitive's entries and size of a further part, in bytes.
 const ENTRIES: u64 = 12;
 const PART: u64 = 8;
-/// Entries for further parts of primitives.
+/// Number of entries for further parts of primitives.
 const FURTHER_PARTS: u32 = 65536;
-/// With more primitives their parts, up to 64 each, would overflow their counter.
+/// Maximum number of primitives that are drawn. With more, their parts, up to 64 each, would overflow a counter.
 const MOST_PRIMITIVES: u32 = 1 << 26;
-/// Parts per row of workgroups.
+/// Number of parts per row of workgroups.
 const PARTS_IN_ROW: u32 = 512;
-/// Workgroups in a row of the dispatch over primitives.
+/// Number of workgroups in a row of the dispatch over primitives.
 const PROJECTED_ACROSS: u32 = 1024;
 
-/// Returns the bytes of the lists for this many primitives.
+/// Returns the size of the lists for this many primitives, in bytes.
 pub(crate) fn drawing_bytes(primitives: u32) -> u64 {
     DRAWING_HEAD + ENTRIES * u64::from(primitives) + PART * u64::from(FURTHER_PARTS)
 }
 
-/// Returns how many primitives of a scene are drawn, or `None` if their lists do not fit one binding.
+/// Returns the number of primitives of a scene that are drawn. Returns `None` if their lists do not fit one binding, or
+/// if the scene has no tree.
 pub(crate) fn drawn(primitives: u32, with: &Variant, gpu: &Gpu) -> Option<u32> {
     let primitives = primitives - with.planes;
     let most = u64::from(PARTS_IN_ROW) * u64::from(gpu.limits.max_compute_workgroups_per_dimension);
@@ -37,7 +39,7 @@ pub(crate) fn drawn(primitives: u32, with: &Variant, gpu: &Gpu) -> Option<u32> {
     (fits && with.has_tree()).then_some(primitives)
 }
 
-/// Returns the workgroups for this many primitives, one thread each.
+/// Returns the workgroups of a dispatch with one thread per primitive.
 pub(crate) fn workgroups(primitives: u32) -> [u32; 3] {
     let all = primitives.div_ceil(LIST_WORKGROUP);
     [all.min(PROJECTED_ACROSS), all.div_ceil(PROJECTED_ACROSS), 1]

@@ -1,4 +1,5 @@
-//! Runs a frame's steps: uniforms, resources by view, and the threads of each step.
+//! Runs the steps of a frame: sets uniforms, binds each view's resources, and computes the number of threads of each
+//! step.
 
 mod host;
 mod in_steps;
@@ -29,50 +30,50 @@ use crate::{
 };
 use slots::Slots;
 
-/// The device, and what a renderer keeps between frames.
+/// The device, and the objects that a renderer keeps between frames.
 pub(crate) struct Engine<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) kernels: &'a Kernels,
-    /// The last frame's 3D buffer.
+    /// 3D buffer of the last frame.
     pub(crate) slots: &'a mut Option<wgpu::Buffer>,
-    /// For timed frames.
+    /// Timestamps, if the frame is timed.
     pub(crate) timestamps: Option<&'a mut Timestamps>,
 }
 
-/// A frame's setting, which does not change while it is made.
+/// Inputs of a frame. Only the rows in the uniforms change while it is rendered.
 pub(crate) struct Setting<'a> {
     pub(crate) eyes: &'a Eyes,
     pub(crate) variant: Variant,
     pub(crate) targets: &'a Targets,
     pub(crate) uniforms: Uniforms,
-    /// Resources that all views share: those of the scene.
+    /// Resources of the scene, which all views share.
     pub(crate) shared: Resources,
 }
 
-/// Runs one frame.
+/// Driver of one frame.
 pub(crate) struct Driver<'a> {
     gpu: &'a Gpu,
     eyes: &'a Eyes,
     variant: Variant,
     targets: &'a Targets,
     executor: Executor<'a>,
-    /// What steps bind, for each view.
+    /// Resources that steps bind, for each view.
     resources: Vec<Resources>,
-    /// The uniforms of each view. Their rows are those of the current band.
+    /// Uniforms of each view, with the rows of the current band.
     uniforms: Uniforms,
     slots: Slots<'a>,
     /// State that threads keep between dispatches, for kernels that run in steps.
     lanes: Option<Lanes>,
     /// Masks of the wanted pixels of each view in the current band, if not all are wanted.
     masks: Vec<wgpu::TextureView>,
-    /// Time of steps on the host.
+    /// Time spent on the host in steps.
     host: Duration,
     rows_done: u32,
     progress: &'a mut OnProgress<'a>,
 }
 
 impl<'a> Driver<'a> {
-    /// Prepares a frame's first step.
+    /// Creates the driver of a frame, and discards the timestamps of the last frame.
     pub(crate) fn new(engine: Engine<'a>, setting: Setting<'a>, progress: &'a mut OnProgress<'a>) -> Self {
         let Engine { gpu, kernels, slots, mut timestamps } = engine;
         let Setting { eyes, variant, targets, uniforms, shared } = setting;
@@ -131,22 +132,22 @@ impl Driver<'_> {
         self.executor.timestamps()
     }
 
-    /// Returns the time of steps on the host so far.
+    /// Returns the time spent on the host in steps so far.
     pub(crate) fn time_on_host(&self) -> Duration {
         self.host
     }
 
-    /// Returns the slots a pixel of the deepest 3D buffer so far.
+    /// Returns the number of slots per pixel of the deepest 3D buffer so far.
     pub(crate) fn buffer_depth(&self) -> u32 {
         self.slots.most_depth()
     }
 
-    /// Returns the bytes of the 3D buffer and of lanes.
+    /// Returns the largest size of the 3D buffer so far plus the size of the lanes, in bytes.
     pub(crate) fn bytes_beside_targets(&self) -> u64 {
         self.slots.most_bytes() + self.lanes.as_ref().map_or(0, |lanes| lanes.buffer.size())
     }
 
-    /// Uploads the masks of a band. Those of the previous band have been submitted with its commands.
+    /// Uploads the masks of a band. Destroys the masks of the previous band, whose commands have been submitted.
     pub(crate) async fn upload_masks(&mut self, masks: &[Mask], band: &Band) -> Result<(), Error> {
         let gpu = self.gpu;
         let upload = |mask: &Mask| {
@@ -160,7 +161,7 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Uploads what all bands of a plan share.
+    /// Uploads the initial heads of lists, which all bands of a plan share.
     pub(crate) async fn begin(&mut self, plan: &Plan) -> Result<(), Error> {
         let write = || {
             self.gpu.queue.write_buffer(&self.targets.empty_lists, 0, bytemuck::cast_slice(&self.heads(plan)));
@@ -169,7 +170,8 @@ impl Driver<'_> {
         self.gpu.checked(write).await
     }
 
-    /// Returns the initial heads of lists. Dispatches that run whole or not at all are whole until `choose` decides.
+    /// Returns the initial heads of lists. The dispatches that `choose` enables or disables as a whole are initially
+    /// enabled.
     pub(crate) fn heads(&self, plan: &Plan) -> [[u32; 4]; layout::HEADS] {
         let rows = self.targets.shape.bands.rows;
         let block = self.variant.traversal.rays.block();
@@ -211,7 +213,7 @@ impl Driver<'_> {
         Ok(encoder)
     }
 
-    /// Encodes a band of a plan without stages on the host, with the rows that `uniforms_of` was told.
+    /// Encodes a band of a plan without stages on the host. The band's rows are set by the last call of `uniforms_of`.
     pub(crate) fn encode_band(&mut self, encoder: &mut wgpu::CommandEncoder, plan: &Plan) {
         self.clear(encoder, plan.clears_marks());
         for stage in &plan.stages {
@@ -222,7 +224,8 @@ impl Driver<'_> {
         }
     }
 
-    /// Clears buffers that steps add to, optionally with the marks of views that are not traced.
+    /// Clears buffers that steps add to. `marks` says whether the pixels of views that are not traced are cleared too,
+    /// since they hold marks.
     fn clear(&mut self, encoder: &mut wgpu::CommandEncoder, marks: bool) {
         for (view, source) in self.eyes.sources.iter().enumerate() {
             let pixels = (marks && *source != view).then_some(Resource::View);
@@ -234,7 +237,7 @@ impl Driver<'_> {
         }
     }
 
-    /// Counts a band's rows as done, and reports it.
+    /// Adds a band's rows to the rows that are done, and reports progress.
     ///
     /// # Errors
     /// [`Error::Cancelled`] if the caller stops the frame.
@@ -243,7 +246,7 @@ impl Driver<'_> {
         self.tell(plan.name(), 0.0)
     }
 
-    /// Reports a frame's progress: the rows done, plus `more` rows.
+    /// Reports a frame's progress: the rows that are done, plus `more` rows.
     ///
     /// # Errors
     /// [`Error::Cancelled`] if the caller stops it.
@@ -255,7 +258,7 @@ impl Driver<'_> {
         }
     }
 
-    /// Sets the rows of a band, and returns the uniforms of all views for it.
+    /// Sets the rows of a band, and returns the contents of the uniform buffer for it.
     pub(crate) fn uniforms_of(&mut self, band: &Band) -> Vec<u8> {
         self.uniforms.set_rows(&self.eyes.sources, band);
         self.uniforms.bytes()
@@ -265,7 +268,7 @@ impl Driver<'_> {
         self.gpu.queue.write_buffer(&self.targets.uniforms, 0, &self.uniforms.bytes());
     }
 
-    /// Returns the number of a view's rows at work.
+    /// Returns the number of rows of a view in the current dispatch.
     fn rows_of(&self, view: usize) -> u32 {
         self.uniforms.band(view).row_end - self.uniforms.band(view).row_begin
     }
@@ -312,21 +315,21 @@ impl Driver<'_> {
         self.encode(encoder, Step::Run { name: kernel.name, kernel, view, launch: Launch::Pixels, part: 0 });
     }
 
-    /// Copies the rows at work of a view from its source.
+    /// Encodes a copy of a view's current rows from its source.
     fn encode_copy(&self, encoder: &mut wgpu::CommandEncoder, view: usize) {
         let first = self.uniforms.band(view).row_begin;
         let (width, rows) = (self.targets.shape.size[0], self.rows_of(view));
         for resource in [Resource::View, Resource::Linear] {
             let buffers = [self.eyes.sources[view], view].map(|view| self.targets.find((resource, view)));
             if let [Some(from), Some(to)] = buffers {
-                let row = u64::from(width) * 16; // bytes, of either
+                let row = u64::from(width) * 16; // bytes per row in either buffer
                 let begin = row * u64::from(first);
                 encoder.copy_buffer_to_buffer(from, begin, to, begin, Some(row * u64::from(rows)));
             }
         }
     }
 
-    /// Returns the workgroups for this many rows, if each thread has a block of `across` x `down` pixels.
+    /// Returns the workgroups for this many rows, if each thread computes a block of `across` x `down` pixels.
     fn workgroups(&self, rows: u32, [across, down]: [u32; 2]) -> [u32; 3] {
         let runs = self.uniforms.band(0).runs;
         let columns = self.targets.shape.size[0].div_ceil(WORKGROUP * across);

@@ -1,4 +1,4 @@
-//! Runs kernels: the one place that binds resources and begins passes. Frames, ray lists and shadow-buffers use it.
+//! Runs kernels. Only this module binds resources and begins passes, for frames, ray lists and shadow-buffers.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(crate) enum Held {
     Buffer(wgpu::Buffer),
-    /// A part of a buffer of uniforms.
+    /// One uniform in a buffer of several.
     Uniform {
         buffer: wgpu::Buffer,
         offset: u64,
@@ -56,7 +56,7 @@ impl From<&Texels> for Held {
     }
 }
 
-/// Resources by name. Whoever makes them also frees them.
+/// Resources by name. The code that creates a resource also frees it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Resources(BTreeMap<Resource, Held>);
 
@@ -73,11 +73,11 @@ impl Resources {
     }
 }
 
-/// Threads of a dispatch.
+/// Number of workgroups of a dispatch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Workgroups<'a> {
     Number([u32; 3]),
-    /// By the head of a list in a buffer.
+    /// Indirect dispatch by the head of a list in a buffer: the buffer, and the list's index.
     Listed(&'a wgpu::Buffer, u32),
 }
 
@@ -86,15 +86,16 @@ pub(crate) enum Workgroups<'a> {
 pub(crate) struct Executor<'a> {
     gpu: &'a Gpu,
     kernels: &'a Kernels,
-    /// The head of the current list, copied here since an indirect buffer may not be bound for writing.
+    /// Buffer for the head of the current list. The head is copied, since an indirect buffer may not be bound for
+    /// writing.
     indirect: Option<&'a wgpu::Buffer>,
     timestamps: Option<&'a mut Timestamps>,
 }
 
-/// Bytes of a list's head that an indirect dispatch reads.
+/// Number of bytes of a list's head that an indirect dispatch reads.
 pub(crate) const INDIRECT_BYTES: u64 = 12;
 
-/// Returns a buffer for the heads of lists.
+/// Creates a buffer for the head of a list.
 pub(crate) fn indirect_buffer(gpu: &Gpu) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("indirect"),
@@ -105,7 +106,7 @@ pub(crate) fn indirect_buffer(gpu: &Gpu) -> wgpu::Buffer {
 }
 
 impl<'a> Executor<'a> {
-    /// Makes an executor. `indirect` is needed for dispatches over lists. Without `timestamps` nothing is timed.
+    /// Creates an executor. `indirect` is needed for dispatches over lists. Without `timestamps`, nothing is timed.
     pub(crate) fn new(
         gpu: &'a Gpu,
         kernels: &'a Kernels,
@@ -119,7 +120,7 @@ impl<'a> Executor<'a> {
         self.timestamps.as_deref_mut()
     }
 
-    /// Encodes a pass of one kernel. `name` is its name in times.
+    /// Encodes a pass of one kernel. `name` is its name in timings.
     pub(crate) fn run(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,

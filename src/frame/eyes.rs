@@ -1,4 +1,4 @@
-//! The uniform of two eyes.
+//! Uniform of a source eye and a target eye.
 
 #[cfg(test)]
 mod around;
@@ -12,16 +12,16 @@ use crate::{
     },
 };
 
-/// Guard band of an ordinary picture, in pixels. Its pixels span at least 2e-5 radians, so this far exceeds the
-/// rounding of a projection.
+/// Minimum guard band of a tile's search, in pixels. Pixels of ordinary pictures span at least 2e-5 radians. For them
+/// the guard band far exceeds the rounding of a projection.
 const WIDER: f32 = 0.05;
 
-/// Returns the uniform of two eyes, with offsets from the middle along `pose.right` in interaxials. Directions have
-/// length 1 along the view axis, so a ray's t is the depth Z.
+/// Returns the uniform of two eyes. `source` and `target` are offsets from the midpoint along `pose.right`, in
+/// interaxials. Directions have length 1 along the view axis, so a ray's t is the depth Z.
 pub(crate) fn eyes_uniform(pose: &Pose, source: f32, target: f32) -> layout::Eyes {
     let corner = |offset: f32| pose.corner(offset.into()).as_vec3().to_array();
     let [step_x, step_y] = pose.pixel_steps().map(|step| step.as_vec3().to_array());
-    // The direction to the outermost corner of the picture, from either eye.
+    // Tangents of the direction to the outermost corner of the picture, from either eye.
     let far = f64::from(source.abs().max(target.abs()));
     let [aside, above] = pose.frustum.aside(far);
     let longest = (1.0_f64.hypot(aside.hypot(above)) * 1.001) as f32;
@@ -47,28 +47,29 @@ pub(crate) fn eyes_uniform(pose: &Pose, source: f32, target: f32) -> layout::Eye
     }
 }
 
-/// Returns the square root of a pixel's height over its width. Pixels that differ from squares by rounding alone count
+/// Returns the square root of a pixel's height over its width. Pixels that differ from squares only by rounding count
 /// as square.
 fn pixel_side(pose: &Pose) -> f32 {
     let [x, y] = pose.frustum.steps(pose.size);
     if (y / x - 1.0).abs() < 1e-6 { 1.0 } else { (y / x).sqrt() as f32 }
 }
 
-/// A sample vouches for a point beside it if the surface between them recedes by at most this many pixels per pixel.
-/// These are pixels of their size on the screen. This is an angle of 88.4 degrees there, more before the screen and
-/// less beyond it.
+/// Maximum slope of a surface for a sample and a neighbouring point to count as connected. The slope is depth per
+/// width, in pixels of their size on the screen. It corresponds to an angle of 88.4 degrees at the screen, a larger
+/// angle in front of it, and a smaller one beyond it.
 const STEEPEST: f32 = 36.0;
 const MOST_PARALLAX: f32 = 0.75;
 
-/// Returns the same limit as a difference of parallaxes in pixels, at the camera's subject. It does not depend on the
-/// picture's size: with twice as many pixels neighbours are half as far apart, and a pixel of parallax is half as much
-/// depth. For eyes 15 pixels of 600 apart and 45 degrees of view it is 0.75, its maximum.
+/// Returns the limit `STEEPEST` as a difference of parallaxes in pixels, at the camera's subject. `apart` is the
+/// distance between the eyes in interaxials. The limit does not depend on the picture's size. With twice as many
+/// pixels, neighbours are half as far apart, and a pixel of parallax corresponds to half as much depth. The limit
+/// reaches its maximum, 0.75, for eyes 15 pixels of 600 apart and 45 degrees of view.
 pub(crate) fn same_parallax(pose: &Pose, apart: f32) -> f32 {
     MOST_PARALLAX.min(STEEPEST * (apart * pose.interaxial).abs() / pose.subject_distance)
 }
 
 /// Returns the guard band of a tile's search, in pixels. It is four times the rounding of directions in the picture's
-/// corners, and at least that of an ordinary picture. `far` is the eyes' largest offset in interaxials.
+/// corners, and at least `WIDER`. `far` is the eyes' largest offset in interaxials.
 fn wider(pose: &Pose, far: f64) -> f32 {
     WIDER.max((f64::from(f32::EPSILON) * 8.0 / least_pixel_angle(pose, far)) as f32)
 }

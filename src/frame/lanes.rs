@@ -1,5 +1,5 @@
-//! Work in steps: kernels whose threads do a bounded part of their work in each dispatch. This is for rays and lights
-//! that take more loop rounds than an adapter grants a thread (`shaders/shared/in_steps.wgsl`).
+//! Work in steps: threads of a kernel do a limited part of their work in each dispatch. This serves rays and lights
+//! that need more loop rounds than an adapter grants a thread (`shaders/shared/in_steps.wgsl`).
 
 use crate::{
     Error,
@@ -10,33 +10,33 @@ use crate::{
 /// Parameters of work in steps.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Steps {
-    /// Approximate loop rounds of a thread per dispatch.
+    /// Approximate number of loop rounds of a thread per dispatch.
     pub(crate) rounds: u32,
-    /// Approximate threads of a dispatch.
+    /// Approximate number of threads of a dispatch.
     pub(crate) threads: u32,
-    /// Whether all work is done in steps, for tests. Otherwise only work that an adapter cut short is.
+    /// Whether all work is done in steps, for tests. Otherwise steps repeat only work that an adapter cut short.
     pub(crate) always: bool,
 }
 
 impl Default for Steps {
-    /// llvmpipe counts the rounds of a vector of 8 or 16 threads, at most the sum of its threads' rounds. With these
-    /// rounds, and those until a traversal can pause, the sum stays below its 65,535. A dispatch takes some ten million
-    /// rounds, a second on two cores.
+    /// Returns parameters for llvmpipe, which limits the rounds of a vector of 8 or 16 threads to 65,535. A vector
+    /// takes at most the sum of its threads' rounds. The sum of these rounds and of the rounds until each traversal can
+    /// pause stays below the limit. A dispatch takes about ten million rounds, which take a second on two cores.
     fn default() -> Self {
         Self { rounds: 1024, threads: 1 << 14, always: false }
     }
 }
 
-/// Dispatches between two checks of the number of unfinished threads.
+/// Number of dispatches between two checks of the number of unfinished threads.
 pub(crate) const DISPATCHES: u32 = 4;
 
-/// Words of `Lanes` before its lanes.
+/// Offset of the lanes in `Lanes`, in words.
 const HEAD_WORDS: u64 = 4;
 
-/// Returns the bytes of a `Lane`.
+/// Returns the size of a `Lane`, in bytes.
 pub(crate) fn lane_bytes(with: &Variant) -> u64 {
     let rays = u64::from(with.traversal.rays.block().pow(2));
-    // Twelve numbers per ray, three per lane, and its stack.
+    // A lane has twelve numbers per ray, three more numbers, and its stack.
     4 * (12 * rays + 3 + u64::from(with.stack_size)).next_multiple_of(rays)
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct Lanes {
 }
 
 impl Lanes {
-    /// Makes room for launches of up to this many threads.
+    /// Allocates the state for launches of up to this many threads.
     ///
     /// # Errors
     /// [`Error::Limit`] if they do not fit one binding.
@@ -69,7 +69,7 @@ impl Lanes {
         gpu.checked(clear).await
     }
 
-    /// Returns how many threads have work left.
+    /// Returns the number of threads that have work left.
     pub(crate) async fn unfinished(&self, gpu: &Gpu) -> Result<u32, Error> {
         Ok(gpu.read(&self.buffer, 1).await?[0])
     }

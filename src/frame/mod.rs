@@ -1,5 +1,5 @@
-//! The engine of a frame: its plan, the bands of rows that the plan runs on, the buffers between its steps, the driver
-//! that runs them, and what is read back.
+//! Rendering of a frame: its plan, the bands of rows, and the buffers between steps. The driver runs the plan on each
+//! band, and results are read back.
 
 mod bands;
 pub(crate) mod drawing;

@@ -1,4 +1,4 @@
-//! The plan of a method: the steps that it runs over views for each band of rows, as data.
+//! Plan of a method, as data: the steps that run over the views for each band of rows.
 
 use super::targets::Used;
 use crate::{
@@ -11,43 +11,43 @@ use crate::{
 pub(crate) enum Made {
     /// All pixels were traced.
     Traced,
-    /// All pixels were drawn, except those counted as missed, which were traced.
+    /// All pixels were drawn into a T-buffer, except pixels counted as missed, which were traced.
     Drawn,
-    /// All pixels were resolved by `bracket`; marks say how.
+    /// All pixels were resolved by `bracket`. The marks say how.
     Bracketed,
-    /// All pixels are copied from the source.
+    /// All pixels were copied from the source.
     Copied,
-    /// Pixels were traced or reused from the source, as marks say. `checked` says whether a ray verified each reused
-    /// one.
+    /// Pixels were traced or reused from the source, as their marks say. `checked` says whether a ray verified each
+    /// reused pixel.
     Marked { checked: bool },
-    /// Traced or bracketed, as each band's counters say.
+    /// Each band was either traced or resolved by `bracket`, as its counters say.
     Chosen,
 }
 
-/// What a frame does to each band, and how its kernels are specialised.
+/// The stages that a frame runs on each band, and the properties that specialise its kernels.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) stages: Vec<Stage>,
-    /// Which visibility bits views reuse. What is kept of source samples depends on it.
+    /// Rule by which views reuse visibility bits. It also determines which data of source samples are kept.
     pub(crate) bits: ShadowReuse,
     /// Whether source samples are kept for reuse.
     pub(crate) samples: bool,
-    /// Whether `bracket` searches four tiles at once, which it does for several samples a pixel.
+    /// Whether `bracket` searches four tiles at once, as it does with several samples per pixel.
     pub(crate) wide: bool,
     /// Whether some step reads the rows above and below a band, for edges or blocks of samples.
     pub(crate) reaches: bool,
-    /// How each view is made.
+    /// How each view was made.
     pub(crate) made: Vec<Made>,
     /// The source of each view. A traced view is its own source.
     pub(crate) sources: Vec<usize>,
-    /// How each view is traced in steps, so that no limit on a thread's loops can end it.
+    /// How each view is traced in steps, so that no adapter's limit on a thread's loop rounds ends the work early.
     pub(crate) in_steps: Vec<InSteps>,
 }
 
 /// Steps of a view that is traced in several dispatches.
 #[derive(Clone, Debug)]
 pub(crate) struct InSteps {
-    /// Repeated until all threads have finished.
+    /// Step that is repeated until all threads have finished.
     pub(crate) trace: Step,
     pub(crate) after: Vec<Step>,
 }
@@ -66,13 +66,14 @@ pub(crate) enum Stage {
 pub(crate) enum Step {
     /// Runs a kernel.
     Run {
-        /// Its name in times and progress.
+        /// Name in timings and progress reports.
         name: &'static str,
         kernel: &'static Kernel,
-        /// The view that it works for.
+        /// View for which the kernel runs.
         view: usize,
         launch: Launch,
-        /// Index of the view's uniform that it reads. Soft light has one per part, all other steps use the first.
+        /// Index of the view's uniform that the kernel reads. Soft light has one uniform per part; all other steps use
+        /// the first.
         part: usize,
     },
     /// Copies a view from its source.
@@ -85,33 +86,34 @@ pub(crate) enum Step {
     EmptyTBuffer,
 }
 
-/// Threads of a step.
+/// Number of threads of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Launch {
-    /// One per pixel of the band, or per block of pixels if the kernel traces rays.
+    /// One thread per pixel of the band, or per block of pixels if the kernel traces rays.
     Pixels,
-    /// One per run of this many pixels in each row of the band.
+    /// One thread per run of this many pixels in each row of the band.
     Runs(u32),
-    /// One per tile of the band.
+    /// One thread per tile of the band.
     Tiles,
-    /// One per four tiles of the band.
+    /// One thread per four tiles of the band.
     WideTiles,
-    /// One per row of the band.
+    /// One thread per row of the band.
     Rows,
-    /// One per primitive of the tree.
+    /// One thread per primitive of the tree.
     Primitives,
-    /// By the head of a buffer's list, which an earlier step filled.
+    /// Indirect dispatch by the head of a list in a buffer: the buffer, and the list's index. An earlier step filled
+    /// the list.
     Listed(Resource, u32),
-    /// One workgroup.
+    /// One workgroup for the whole band.
     Once,
 }
 
-/// Work of the host between steps.
+/// Work on the host between steps.
 #[derive(Clone, Debug)]
 pub(crate) enum Host {
     /// Runs Adelson & Hodges' sweep for a view.
     Sweep(usize),
-    /// Sizes the 3D buffer for a view, and runs these steps over as many rows at a time as fit it.
+    /// Sizes the 3D buffer for a view, and runs these steps over as many rows at a time as it has room for.
     Slots(BufferDepth, usize, Vec<Step>),
 }
 
@@ -130,7 +132,7 @@ impl Step {
 }
 
 impl Plan {
-    /// Returns all steps, including those of the host's stages.
+    /// Returns all steps, including the steps in stages on the host.
     fn steps(&self) -> impl Iterator<Item = Step> + '_ {
         self.stages.iter().flat_map(|stage| match stage {
             Stage::Steps(steps) => steps.clone(),
@@ -139,7 +141,7 @@ impl Plan {
         })
     }
 
-    /// Returns what the plan uses of targets, with kernels of this variant.
+    /// Returns the buffers and textures that the plan uses, with kernels of this variant.
     pub(crate) fn uses(&self, kernels: &Kernels, with: &Variant) -> Used {
         let mut used = Used { searched: self.samples, ..Used::default() };
         for step in self.steps() {
@@ -153,7 +155,7 @@ impl Plan {
                     used.places.insert((Resource::View, view));
                     used.places.extend(with.linear.then_some((Resource::Linear, view)));
                 }
-                // Kernels that run use the same buffers.
+                // These steps add no places, since the plan's kernels bind the same buffers.
                 Step::EmptyLists | Step::EmptySlots | Step::EmptyTBuffer => {}
             }
         }
@@ -172,7 +174,7 @@ impl Plan {
         self.stages.iter().any(|stage| matches!(stage, Stage::Host(_)))
     }
 
-    /// Returns the plan's name in progress: that of a band's last step.
+    /// Returns the plan's name in progress reports: the name of a band's last step.
     pub(crate) fn name(&self) -> &'static str {
         self.steps().filter_map(|step| step.name()).last().unwrap_or_default()
     }

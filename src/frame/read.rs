@@ -13,7 +13,7 @@ use crate::{
     kernel::{Resource, layout},
 };
 
-/// Ids of primitives by slot, and of the objects that primitives belong to.
+/// Ids of primitives by slot, and ids of objects by primitive.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ids<'a> {
     pub(crate) of_slots: &'a [u32],
@@ -25,12 +25,12 @@ pub(crate) struct Ids<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReadBack {
     shape: Shape,
-    /// Whether pictures are read back; otherwise counters only.
+    /// Whether pictures are read back, or only counters.
     pictures: bool,
     linear: bool,
 }
 
-/// Parts of a view.
+/// Parts of a view in the staging buffer.
 #[derive(Clone, Copy)]
 enum Part {
     /// Colour, with marks in place of alpha.
@@ -52,7 +52,7 @@ impl ReadBack {
         Self { shape, pictures, linear }
     }
 
-    /// Returns the bytes of a part's row, 0 if it is not wanted.
+    /// Returns the size of a part's row in bytes; 0 if the part is not requested.
     fn row_bytes(&self, part: Part) -> u64 {
         let width = u64::from(self.shape.size[0]);
         let words = self.shape.words_read();
@@ -77,7 +77,7 @@ impl ReadBack {
         view as u64 * self.view_bytes() + before.sum::<u64>() * u64::from(self.shape.bands.rows)
     }
 
-    /// Returns the offset of times: the bytes of all views.
+    /// Returns the offset of times, which is the size of all views in bytes.
     pub(crate) fn times_offset(&self) -> u64 {
         self.shape.views as u64 * self.view_bytes()
     }
@@ -127,7 +127,7 @@ impl ReadBack {
         Counts::of(&words(self.part(bytes, band, view, Part::Counters)))
     }
 
-    /// Returns a band's rows of a view, given how it was made; `None` if no pictures are wanted.
+    /// Returns a band's rows of a view, given how it was made. Returns `None` if no pictures are requested.
     pub(crate) fn rows(&self, bytes: &[u8], band: &Band, view: usize, made: Made, ids: Ids<'_>) -> Option<ViewRows> {
         if !self.pictures {
             return None;
@@ -176,7 +176,7 @@ fn words(bytes: &[u8]) -> Vec<u32> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     pub(crate) shadow_rays: u64,
-    /// Rays sent on by mirrors, glass and veils.
+    /// Secondary rays, which mirrors, glass and transparent surfaces reflect or transmit.
     pub(crate) sent_rays: u64,
     /// Shadow rays from mirrored surfaces, included in `shadow_rays`.
     pub(crate) own_shadow_rays: u64,
@@ -186,9 +186,9 @@ pub(crate) struct Counts {
     pub(crate) missed: u64,
     pub(crate) gaps: u64,
     pub(crate) lost_candidates: u64,
-    /// Threads whose loops an adapter ended.
+    /// Number of threads whose loops the adapter ended early.
     pub(crate) cut_short: u64,
-    /// The choice of `choose`.
+    /// Choice that the kernel `choose` made.
     chosen: u64,
 }
 
@@ -210,7 +210,7 @@ impl Counts {
         }
     }
 
-    /// Returns how the band was made, given how the view was.
+    /// Returns how the band was made, given how its view was made.
     pub(crate) fn made(&self, made: Made) -> Made {
         match made {
             Made::Chosen if self.chosen == u64::from(layout::BRACKET_CHOSEN) => Made::Bracketed,

@@ -1,24 +1,24 @@
-//! Rows of views, as they are done.
+//! Rows of views, delivered as they finish.
 
 use super::targets::MOST_BYTES;
 use crate::{Error, GBuffer, Options, PixelSource, ShadowSource, View, message::counted, view::rig::Eyes};
 
-/// Callback that takes rows as they are done. It is `Send`, so that its frame can move to another thread, except on
-/// wasm32.
+/// Callback that receives rows as they finish. Except on wasm32, it is `Send`, so that its frame can move to another
+/// thread.
 #[cfg(not(target_arch = "wasm32"))]
 pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + Send + 'a;
 
-/// Callback that takes rows as they are done.
+/// Callback that receives rows as they finish.
 #[cfg(target_arch = "wasm32")]
 pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + 'a;
 
-/// Rows of all views of a frame, as they are done: see [`FrameBuilder::rows`](crate::FrameBuilder::rows).
+/// Rows of all views of a frame, delivered as they finish: see [`FrameBuilder::rows`](crate::FrameBuilder::rows).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Rows {
-    /// The picture's row that is the first one here.
+    /// Picture row of the first of these rows.
     pub first: u32,
-    /// One per eye, in the rig's order.
+    /// Rows of each eye's view, in the rig's order.
     pub views: Vec<ViewRows>,
 }
 
@@ -30,7 +30,7 @@ pub struct ViewRows {
     pub view: View,
     /// How each pixel was made, row-major.
     pub source: Vec<PixelSource>,
-    /// How each pixel's visibility bits are known, row-major. Empty except for `bracket`.
+    /// How each pixel's visibility bits were determined, row-major. Empty except for `bracket`.
     pub shadow_source: Vec<ShadowSource>,
 }
 
@@ -50,7 +50,7 @@ impl ViewRows {
         Self { view, source: Vec::new(), shadow_source: Vec::new() }
     }
 
-    /// Returns empty lists with room for all rows of each view.
+    /// Returns empty lists with capacity for all rows of each view.
     ///
     /// # Errors
     /// [`Error::Limit`] if they do not fit into memory.
@@ -58,7 +58,7 @@ impl ViewRows {
         let [width, height] = eyes.pose.size;
         let pixels = u64::from(width) * u64::from(height);
         let (depth, ids) = (options.g_buffer != GBuffer::None, options.g_buffer == GBuffer::Ids);
-        // Colour and sources, then the requested parts.
+        // The sizes are bytes per pixel: 6 for colour and sources, then the requested parts.
         let each: u64 = [(true, 6), (depth, 4), (ids, 8), (options.linear, 16), (options.cost_map, 4)]
             .map(|(wanted, bytes)| if wanted { bytes } else { 0 })
             .iter()
@@ -133,7 +133,7 @@ impl ViewRows {
 
     /// Appends other rows below these.
     pub(crate) fn append(&mut self, mut rows: Self) {
-        // Traced bands have no shadow sources. Beside bands that have them, theirs count as traced.
+        // Traced bands have no shadow sources. If other bands have some, all pixels of traced bands count as `Traced`.
         let pixels = self.source.len() + rows.source.len();
         if !rows.shadow_source.is_empty() || !self.shadow_source.is_empty() {
             self.shadow_source.resize(self.source.len(), ShadowSource::Traced);

@@ -18,14 +18,15 @@ use crate::{
     kernel::layout::{self, WORKGROUP},
 };
 
-/// A buffer or texture of a frame, and the view that owns it. What views share belongs to view 0.
+/// A buffer or texture of a frame, and the index of the view that owns it. Resources that views share belong to view 0.
 pub(crate) type Place = (Resource, usize);
 
-/// In place of a view: samples that nobody reads, of traced views that have a source.
+/// View index for the samples of traced views that have a source. No kernel reads these samples.
 const UNREAD: usize = usize::MAX;
 
 impl Resource {
-    /// Returns what a step binds by this name, for a view with this source; `None` if targets do not hold it.
+    /// Returns the place of the buffer or texture that a step binds by this name, for a view with this source. Returns
+    /// `None` if targets do not hold the resource.
     pub(crate) fn of(self, view: usize, source: usize) -> Option<Place> {
         match self {
             Self::Source => Some((Self::View, source)),
@@ -41,7 +42,7 @@ impl Resource {
         }
     }
 
-    /// Returns whether the resource is output, not an intermediate.
+    /// Returns whether the resource is output rather than an intermediate.
     fn is_output(self) -> bool {
         matches!(self, Self::View | Self::Packed | Self::Linear)
     }
@@ -56,21 +57,21 @@ pub(crate) struct Shape {
     pub(crate) views: usize,
     pub(crate) cost_map: bool,
     pub(crate) g_buffer: GBuffer,
-    /// Number of lights that are not points, plus one for sampled ambient light.
+    /// Number of lights that are not point lights, plus one for sampled ambient light.
     pub(crate) soft_sources: u32,
-    /// Primitives drawn into a T-buffer, 0 without one.
+    /// Number of primitives drawn into a T-buffer; 0 without a T-buffer.
     pub(crate) drawn: u32,
-    /// Parts of soft light, at least one.
+    /// Number of parts of soft light, at least one.
     pub(crate) parts: u32,
 }
 
 impl Shape {
-    /// Returns columns and rows of the frame's buffers, which hold one band.
+    /// Returns the numbers of columns and rows of the frame's buffers, which hold one band.
     pub(crate) fn kept(&self) -> [u32; 2] {
         [self.size[0], self.bands.rows_kept()]
     }
 
-    /// Returns the words per pixel that are read back: colour and marks, depth, slot.
+    /// Returns the number of words per pixel that are read back: colour with marks, then depth, then slot.
     pub(crate) fn words_read(&self) -> u32 {
         match self.g_buffer {
             GBuffer::None => 1,
@@ -79,7 +80,7 @@ impl Shape {
         }
     }
 
-    /// Returns the bytes of what a place holds. `searched` says whether lists have results of tile searches.
+    /// Returns the size of a resource in bytes. `searched` says whether lists have results of tile searches.
     fn bytes(&self, resource: Resource, searched: bool) -> u64 {
         let [width, rows] = self.kept().map(u64::from);
         let pixels = width * rows;
@@ -145,15 +146,15 @@ impl Shape {
     }
 }
 
-/// The buffers and textures of a frame. A renderer keeps them for the next one.
+/// The buffers and textures of a frame. A renderer keeps them for the next frame.
 #[derive(Debug)]
 pub(crate) struct Targets {
     pub(crate) shape: Shape,
-    /// The uniforms of each view ([`Uniforms`]).
+    /// Uniforms of each view ([`Uniforms`]).
     pub(crate) uniforms: wgpu::Buffer,
-    /// For the executor.
+    /// Arguments of indirect dispatches, for the executor.
     pub(crate) indirect: wgpu::Buffer,
-    /// Samples of views, which `bracket` reads.
+    /// Textures with the samples of views, which `bracket` reads.
     samples: BTreeMap<Place, wgpu::TextureView>,
     /// Initial heads of lists.
     pub(crate) empty_lists: wgpu::Buffer,
@@ -180,8 +181,8 @@ impl Used {
     }
 }
 
-/// Most bytes of a frame's buffers, and of its pictures on the host. Drivers do not report free memory, and a rig of
-/// many large views would take all of it.
+/// Maximum size of a frame's buffers, and of its pictures on the host, in bytes. Drivers do not report free memory, and
+/// a rig of many large views would take all of it.
 pub(crate) const MOST_BYTES: u64 = 8 << 30;
 
 impl Targets {
@@ -233,7 +234,7 @@ impl Targets {
         self.buffers.get(&place)
     }
 
-    /// Adds what steps bind for a view with these sources.
+    /// Adds the resources that steps bind for a view with these sources.
     pub(crate) fn add_resources(&self, view: usize, source: usize, second: usize, all: &mut Resources) {
         let held = |place| {
             let texture = || self.samples.get(&place).map(Held::from);
@@ -249,7 +250,7 @@ impl Targets {
         }
     }
 
-    /// Returns the bytes of a plan's intermediates, without its output.
+    /// Returns the size of a plan's intermediate buffers and textures in bytes, without its output.
     pub(crate) fn intermediate_bytes(&self, used: &Used) -> u64 {
         let between = used.places.iter().filter(|(resource, _)| !resource.is_output());
         between.map(|(resource, _)| self.shape.bytes(*resource, used.searched)).sum()
@@ -274,17 +275,17 @@ fn samples_texture(gpu: &Gpu, [width, height]: [u32; 2]) -> wgpu::TextureView {
 /// Resources that a renderer keeps between frames.
 #[derive(Debug, Default)]
 pub(crate) struct Cache {
-    /// The most recently used one is last.
+    /// Targets of recent frames. The most recently used one is last.
     pub(crate) targets: Vec<Arc<Targets>>,
-    /// How many are kept besides the current one.
+    /// Number of targets that are kept besides the current one.
     others: usize,
     pub(crate) slots: Option<wgpu::Buffer>,
-    /// None of them is mapped.
+    /// Staging buffers for reuse. None of them is mapped.
     pub(crate) staging: Vec<Staging>,
 }
 
 impl Cache {
-    /// Sets how many targets are kept, for frames of as many shapes in turn.
+    /// Sets the number of targets that are kept, for frames that take turns among as many shapes.
     pub(crate) fn keep(&mut self, targets: usize) {
         self.others = targets.saturating_sub(1);
         self.make_room(targets);
@@ -298,7 +299,7 @@ impl Cache {
         Some(found)
     }
 
-    /// Returns how many targets are kept besides the current one.
+    /// Returns the number of targets that are kept besides the current one.
     pub(crate) fn others(&self) -> usize {
         self.others
     }
@@ -308,7 +309,7 @@ impl Cache {
         self.targets.drain(..self.targets.len().saturating_sub(left));
     }
 
-    /// Takes the staging buffers of this size. Some others are kept.
+    /// Takes the staging buffers of this size. Up to two others are kept for each target besides the current one.
     pub(crate) fn staging_of(&mut self, bytes: u64) -> Vec<Staging> {
         let (fitting, mut others): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.staging).into_iter().partition(|staging| staging.bytes() == bytes);
@@ -320,6 +321,6 @@ impl Cache {
 
 impl Drop for Cache {
     fn drop(&mut self) {
-        self.slots.iter().for_each(wgpu::Buffer::destroy); // as for targets
+        self.slots.iter().for_each(wgpu::Buffer::destroy); // see `Drop for Targets`
     }
 }

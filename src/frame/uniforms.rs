@@ -1,24 +1,24 @@
-//! A frame's uniforms, for each view.
+//! Uniforms of a frame, for each view.
 
 use super::{bands::Band, executor::Held};
 use crate::kernel::layout;
 
-/// Bytes from one uniform to the next: WebGPU's default alignment of uniform offsets.
+/// Distance between two uniforms in bytes: WebGPU's default alignment of uniform offsets.
 pub(crate) const STRIDE: u64 = 256;
 
-/// Returns the bytes of the uniforms of all views.
+/// Returns the size of the uniforms of all views, in bytes.
 pub(crate) fn uniforms_bytes(views: usize, parts: u32) -> u64 {
     views as u64 * u64::from(parts) * STRIDE
 }
 
-/// The rays to one light that a dispatch traces.
+/// The rays to one soft light that a dispatch traces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
-    /// Index among all lights; ambient light, or the sky in its place, comes after the last.
+    /// Index among all lights. Ambient light, or the sky light that replaces it, follows the last light.
     pub(crate) light: u32,
-    /// Index among the sources that are not points.
+    /// Index among the sources that are not point lights.
     pub(crate) slot: u32,
-    /// First ray.
+    /// Index of the first ray.
     pub(crate) first: u32,
 }
 
@@ -26,22 +26,22 @@ pub(crate) struct Part {
 #[derive(Debug)]
 pub(crate) struct Uniforms {
     views: Vec<layout::Frame>,
-    /// Parts of soft light, one per dispatch. Each has a uniform.
+    /// Parts of soft light, one per dispatch. Each part has its own uniform.
     parts: Vec<Part>,
 }
 
 impl Uniforms {
-    /// Makes the uniforms of views. Their rows are those of bands.
+    /// Creates the uniforms of all views. [`Uniforms::set_rows`] sets their rows for each band.
     pub(crate) fn new(views: Vec<layout::Frame>, parts: Vec<Part>) -> Self {
         Self { views, parts }
     }
 
-    /// Returns the rows at work of a view.
+    /// Returns the band of a view's uniform, with the rows of the current dispatch.
     pub(crate) fn band(&self, view: usize) -> layout::Band {
         self.views[view].band
     }
 
-    /// Returns the same, to change.
+    /// Returns the band of a view's uniform for modification.
     pub(crate) fn band_mut(&mut self, view: usize) -> &mut layout::Band {
         &mut self.views[view].band
     }
@@ -56,7 +56,7 @@ impl Uniforms {
         }
     }
 
-    /// Returns all uniforms, as laid out in the buffer.
+    /// Returns all uniforms, in the layout of the uniform buffer.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         let mut bytes = vec![0; uniforms_bytes(self.views.len(), self.each() as u32) as usize];
         for (index, place) in bytes.chunks_exact_mut(STRIDE as usize).enumerate() {
@@ -69,12 +69,12 @@ impl Uniforms {
         bytes
     }
 
-    /// Returns the number of a view's uniforms.
+    /// Returns the number of uniforms per view.
     fn each(&self) -> usize {
         self.parts.len().max(1)
     }
 
-    /// Returns the uniform of a view and a part of soft light, in this buffer.
+    /// Returns the uniform of a view and a part of soft light, as a part of `buffer`.
     pub(crate) fn held(&self, view: usize, part: usize, buffer: &wgpu::Buffer) -> Held {
         let offset = (view * self.each() + part) as u64 * STRIDE;
         Held::Uniform { buffer: buffer.clone(), offset, bytes: size_of::<layout::Frame>() as u64 }

@@ -23,8 +23,8 @@ pub struct View {
     pub primitive: Vec<u32>,
     /// Id of the object that the primitive belongs to, or [`MISS`].
     pub object: Vec<u32>,
-    /// BVH nodes visited and primitives tested by all rays of the pixel. With `bracket`, a tile's query counts for the
-    /// tile's first pixel. Primitives projected into a T-buffer are not counted. Empty unless
+    /// Number of BVH nodes visited and primitives tested by all rays of the pixel. With `bracket`, a tile's query is
+    /// counted at the tile's first pixel. Primitives projected into a T-buffer are not counted. Empty unless
     /// [`Options::cost_map`](crate::Options) is set.
     pub cost: Vec<u32>,
 }
@@ -34,11 +34,12 @@ pub struct View {
 #[non_exhaustive]
 #[repr(u8)]
 pub enum PixelSource {
-    /// Reused from the left view. With `bracket`: found within the tile's bound.
+    /// Reused from the left view. With `bracket`, the hit was found within the tile's bound.
     Reused = 0,
-    /// Traced: a left sample landed here, but its check failed. With `bracket`: the hit lies beyond the tile's bound.
+    /// Traced, since a left sample landed here but its check failed. With `bracket`, the hit lies beyond the tile's
+    /// bound.
     Bad = 1,
-    /// Traced: no left sample landed here. With `bracket`: or the list overflowed.
+    /// Traced, since no left sample landed here. With `bracket`, the tile has no bound, or a list overflowed.
     Missed = 2,
     /// Traced, or found by a [T-buffer](crate::Visibility::TBuffer), independently of the left view (`Naive`).
     Traced = 3,
@@ -49,9 +50,10 @@ pub enum PixelSource {
 #[non_exhaustive]
 #[repr(u8)]
 pub enum ShadowSource {
-    /// Reused from the left samples beside it. Also where no light is in front of the surface, or the scene has none.
+    /// Reused from the neighbouring left samples. Also used where no light is in front of the surface, or the scene has
+    /// none.
     Taken = 0,
-    /// At least one shadow ray.
+    /// At least one shadow ray was traced.
     Traced = 1,
 }
 
@@ -65,7 +67,8 @@ impl View {
         self.rgba8.iter().map(decoded).collect()
     }
 
-    /// Returns the nearest and the farthest depth. The farthest is infinite if any ray missed, both if all did.
+    /// Returns the nearest and the farthest depth. The farthest depth is infinite if any ray missed. Both are infinite
+    /// if all rays missed.
     pub fn depth_range(&self) -> (f32, f32) {
         let fold = |(near, far): (f32, f32), &z: &f32| (near.min(z), far.max(z));
         self.depth.iter().fold((f32::INFINITY, 0.0), fold)

@@ -1,28 +1,28 @@
-//! The part of a picture that a frame makes: all rows, some rows, or some of their pixels.
+//! The part of a picture that a frame renders: all rows, some rows, or some pixels of these rows.
 
 use std::ops::Range;
 
 use crate::gpu::Texel;
 
-/// The part of a frame that is wanted.
+/// The requested part of a frame.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
-    /// Whether pictures are wanted; otherwise only their cost.
+    /// Whether pictures are requested, or only their cost.
     pub(crate) pictures: bool,
-    /// All rows, or a part.
+    /// Requested rows and pixels; `None` for all rows.
     pub(crate) part: Option<Part<'a>>,
 }
 
-/// Some rows of a picture.
+/// Some rows of a picture, or some pixels of these rows.
 #[derive(Clone, Copy)]
 pub(crate) struct Part<'a> {
     pub(crate) rows: (u32, u32),
-    /// The wanted pixels of each view; without masks all are. Other pixels are undefined.
+    /// Mask of the wanted pixels of each view; `None` if all pixels are wanted. Other pixels are undefined.
     pub(crate) masks: Option<&'a [Mask]>,
 }
 
 impl Wanted<'_> {
-    /// Returns all rows.
+    /// Requests all rows.
     pub(crate) fn all(pictures: bool) -> Self {
         Self { pictures, part: None }
     }
@@ -36,26 +36,26 @@ impl Wanted<'_> {
     }
 }
 
-/// A bit for each pixel of some rows of a view.
+/// Mask with a bit for each pixel of some rows of a view.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mask {
-    /// Texels of a row. Each has the bits of 128 pixels, the first one in the lowest bit
+    /// Number of texels per row. Each texel has the bits of 128 pixels, with the first pixel in the lowest bit
     /// (`shaders/shared/wanted.wgsl`).
     texels_across: u32,
-    /// Rows of the picture.
+    /// Rows of the picture that the mask covers.
     rows: Range<u32>,
     texels: Vec<Texel>,
 }
 
 impl Mask {
-    /// Makes a mask of these rows of a picture of this width, without wanted pixels.
+    /// Creates a mask of these rows of a picture of this width, without wanted pixels.
     pub(crate) fn new(width: u32, rows: Range<u32>) -> Self {
         let texels_across = width.div_ceil(128);
         let texels = vec![[0; 4]; texels_across as usize * rows.len()];
         Self { texels_across, rows, texels }
     }
 
-    /// Returns the texel of a pixel of the picture, and the word and bit in it.
+    /// Returns the index of a pixel's texel, the index of the word in the texel, and the bit in the word.
     fn place(&self, column: u32, row: u32) -> (usize, usize, u32) {
         let texel = (row - self.rows.start) * self.texels_across + column / 128;
         (texel as usize, (column / 32 % 4) as usize, 1 << (column % 32))
@@ -78,7 +78,7 @@ impl Mask {
         self.texels_of(rows).iter().flatten().map(|word| u64::from(word.count_ones())).sum()
     }
 
-    /// Returns the texels of these rows, and their number per row.
+    /// Returns the number of texels per row, and the texels of these rows.
     pub(crate) fn rows(&self, rows: Range<u32>) -> (u32, &[Texel]) {
         (self.texels_across, self.texels_of(rows))
     }

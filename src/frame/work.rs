@@ -1,16 +1,17 @@
-//! The work of a view, in counts.
+//! Counts of the work of a view.
 
-/// Rays of one view by kind.
+/// Numbers of rays of one view, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Rays {
-    /// Closest-hit rays through pixels. With a [T-buffer](crate::Visibility::TBuffer), only the rays still traced.
+    /// Closest-hit rays through pixels. With a [T-buffer](crate::Visibility::TBuffer), only rays that are traced in
+    /// addition to it.
     pub primary: u64,
-    /// Length-limited any-hit rays that check reused pixels.
+    /// Any-hit rays of limited length that verify reused pixels.
     pub verification: u64,
     /// Any-hit rays towards lights.
     pub shadow: u64,
-    /// Closest-hit rays reflected, refracted or passed on by mirrors, glass and transparent surfaces.
+    /// Closest-hit rays that mirrors, glass and transparent surfaces reflect, refract or transmit.
     pub secondary: u64,
 }
 
@@ -35,12 +36,12 @@ impl std::ops::AddAssign for Rays {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Work {
-    /// Rays by kind.
+    /// Numbers of rays, by kind.
     pub rays: Rays,
-    /// BVH nodes visited (a node holds the boxes of two children), and primitives projected into a
-    /// [T-buffer](crate::Visibility::TBuffer). 0 unless counting is on.
+    /// Number of BVH nodes visited (a node holds the boxes of two children), plus the number of primitives projected
+    /// into a [T-buffer](crate::Visibility::TBuffer). 0 unless counting is on.
     pub nodes: u64,
-    /// Primitives tested; 0 unless counting is on.
+    /// Number of primitive tests; 0 unless counting is on.
     pub primitive_tests: u64,
 }
 
@@ -54,7 +55,7 @@ impl std::ops::AddAssign for Work {
 }
 
 impl Work {
-    /// Returns box tests (two per node) plus primitive tests.
+    /// Returns the number of box tests (two per node) plus the number of primitive tests.
     pub fn cost(&self) -> u64 {
         2 * self.nodes + self.primitive_tests
     }

@@ -1,4 +1,4 @@
-//! Choice of the adapter.
+//! Selection of the adapter.
 
 use crate::Error;
 
@@ -8,8 +8,8 @@ pub const ADAPTER_VARIABLE: &str = "STEREOTRACE_ADAPTER";
 
 /// The graphics adapter to open ([`Gpu::open`](crate::Gpu::open)).
 ///
-/// A text converts to an adapter like the variable: `software` gives [`Adapter::Software`], any other text a part of a
-/// name. A browser offers one adapter, mostly without a name.
+/// A text converts to an adapter by the same rules as the variable: `software` gives [`Adapter::Software`], and any
+/// other text gives [`Adapter::Named`]. A browser offers one adapter, usually without a name.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Adapter {
@@ -17,7 +17,7 @@ pub enum Adapter {
     Fastest,
     /// An adapter that runs on the CPU.
     Software,
-    /// An adapter whose name contains this text, in upper or lower case.
+    /// An adapter whose name contains this text, regardless of case.
     Named(String),
     /// The adapter named by the environment variable `STEREOTRACE_ADAPTER` ([`ADAPTER_VARIABLE`]); [`Adapter::Fastest`]
     /// if it is not set, as in browsers.
@@ -65,7 +65,7 @@ impl Adapter {
         })
     }
 
-    /// Returns the adapter to look for, given the variable.
+    /// Returns the adapter to look for, given the value of the environment variable.
     fn resolved(&self, variable: Option<&str>) -> Self {
         match (self, variable) {
             (Self::FromEnv, Some(variable)) => Self::from(variable),
@@ -82,7 +82,7 @@ impl Adapter {
         }
     }
 
-    /// Returns the request in the words of error messages.
+    /// Describes the request for error messages.
     fn asked(&self, variable: Option<&str>, backend: Option<&str>) -> String {
         let adapter = match self {
             Self::Fastest => None,
@@ -109,7 +109,7 @@ async fn offered(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     descriptor.backends = backends;
     let instance = wgpu::Instance::new(descriptor);
     if cfg!(target_arch = "wasm32") {
-        // A browser has no list. It returns the adapter that suits best.
+        // A browser offers no list of adapters. It returns the most suitable one.
         let power_preference = wgpu::PowerPreference::HighPerformance;
         let options = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
         return instance.request_adapter(&options).await.into_iter().collect();

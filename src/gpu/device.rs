@@ -28,11 +28,11 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Workgroups in x of the largest dispatch.
+/// Maximum number of workgroups of a dispatch per dimension.
 pub(crate) const MAX_WORKGROUPS: u32 = 1 << 14;
 
 /// Returns the limits that kernels need of a device; all other limits are taken from `others`. A test compares them
-/// with all kernels.
+/// with the needs of all kernels.
 pub(crate) fn limits_over(others: wgpu::Limits) -> wgpu::Limits {
     wgpu::Limits {
         max_bind_groups: 1,
@@ -54,14 +54,14 @@ impl Gpu {
     /// Opens a new device on [`Adapter::FromEnv`].
     ///
     /// # Errors
-    /// Those of [`Gpu::open`].
+    /// See [`Gpu::open`].
     pub async fn new() -> Result<Self, Error> {
         Self::open(Adapter::FromEnv).await
     }
 
-    /// Opens a device on an adapter, given as an [`Adapter`] or as a text: `software`, or a part of its name. Among
-    /// several matches the fastest kind is taken. The environment variable `WGPU_BACKEND` restricts the choice to a
-    /// backend (`vulkan`, `gl`, …).
+    /// Opens a device on an adapter, given as an [`Adapter`] or as a text: `software`, or a part of its name. If
+    /// several adapters match, one of the fastest kind is used. The environment variable `WGPU_BACKEND` restricts the
+    /// choice to a backend (`vulkan`, `gl`, …).
     ///
     /// # Errors
     /// [`Error::NoAdapter`] if none matches, with the request and the available adapters; [`Error::Gpu`] if the driver
@@ -91,14 +91,14 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// Returns the features that a device must have: none. With `TIMESTAMP_QUERY` frames are timed.
+    /// Returns the features that a device must have: none. With `TIMESTAMP_QUERY`, frames can be timed.
     pub fn required_features() -> wgpu::Features {
         wgpu::Features::empty()
     }
 
-    /// Returns the minimum limits of a device. None exceeds WebGPU's defaults. With larger
-    /// `max_storage_buffer_binding_size`, `max_buffer_size` and `max_texture_dimension_2d` a device takes larger scenes
-    /// and pictures, which are checked one by one.
+    /// Returns the minimum limits of a device. None exceeds WebGPU's defaults. A device with larger
+    /// `max_storage_buffer_binding_size`, `max_buffer_size` and `max_texture_dimension_2d` accepts larger scenes and
+    /// pictures. Each scene and each picture is checked against them.
     ///
     /// ```no_run
     /// # async fn open(adapter: stereotrace::wgpu::Adapter) -> Result<(), Box<dyn std::error::Error>> {
@@ -148,7 +148,7 @@ impl Gpu {
         })
     }
 
-    /// Returns whether both are the same `Gpu` or clones of it. (Devices of different instances can compare equal.)
+    /// Returns whether both are clones of the same `Gpu`. (Devices of different instances can compare equal.)
     pub(crate) fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.lost, &other.lost)
     }
@@ -189,7 +189,7 @@ impl Gpu {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let scopes = [OutOfMemory, Internal, Validation].map(|filter| self.device.push_error_scope(filter));
         let result = work();
-        // Scopes are a stack.
+        // Error scopes form a stack.
         let [memory, internal, validation] = scopes;
         let validation = validation.pop();
         let internal = internal.pop();
@@ -207,8 +207,8 @@ impl Gpu {
         }
     }
 
-    /// Returns how many host threads of a software adapter run kernels, each on one contiguous part of a dispatch; 1
-    /// for other adapters.
+    /// Returns the number of host threads on which a software adapter runs kernels; 1 for other adapters. Each of them
+    /// runs one contiguous part of a dispatch.
     pub(crate) fn threads(&self) -> u32 {
         match self.adapter_info().device_type {
             wgpu::DeviceType::Cpu => {
@@ -227,8 +227,8 @@ impl Gpu {
 fn classify(error: &wgpu::Error) -> Error {
     match error {
         wgpu::Error::OutOfMemory { .. } => Error::OutOfMemory(error.to_string()),
-        // A lost device silently makes invalid objects, and wgpu reports their use as a validation error. Any other
-        // failure to make an object has been reported before and comes first.
+        // A lost device silently creates invalid objects, and wgpu reports their use as a validation error. Any other
+        // failure to create an object has been reported before and comes first.
         other => match other.to_string() {
             message if ["lost", "destroyed", "label is invalid"].iter().any(|sign| message.contains(sign)) => {
                 Error::DeviceLost(message)

@@ -1,4 +1,4 @@
-//! Device, buffers, dispatches, read-back and timestamps. This module knows nothing of stereo.
+//! Device, buffers, dispatches, read-back and timestamps. This module is independent of scenes, kernels and stereo.
 
 mod adapter;
 mod device;

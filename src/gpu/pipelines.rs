@@ -45,7 +45,7 @@ impl Deref for Built {
 pub(crate) struct Held(Mutex<HashMap<[u64; 2], Weak<OnceLock<Pipeline>>>>);
 
 impl Held {
-    /// Returns a pipeline. Other threads wait while one thread builds it, but not for other pipelines.
+    /// Returns a pipeline. While one thread builds it, other threads wait for it, but not for other pipelines.
     fn get(&self, gpu: &Gpu, program: Program) -> Built {
         let slot = {
             let mut held = lock(&self.0);
@@ -63,7 +63,7 @@ impl Held {
 }
 
 impl Program {
-    /// Hashes the description. The bindings follow from the text.
+    /// Hashes the description, except the bindings, which follow from the text.
     fn hash(&self, seed: u8) -> u64 {
         let mut hasher = DefaultHasher::new();
         (seed, &self.text).hash(&mut hasher);
@@ -97,7 +97,7 @@ fn build(gpu: &Gpu, program: Program) -> Pipeline {
         label,
         layout: Some(&layout),
         module: &module,
-        entry_point: None, // the only one
+        entry_point: None, // the module has only one
         compilation_options: wgpu::PipelineCompilationOptions { constants: &program.constants, ..Default::default() },
         cache: None,
     });
@@ -133,7 +133,7 @@ pub(crate) fn sampled_type() -> wgpu::BindingType {
     sampled(wgpu::TextureViewDimension::D2)
 }
 
-/// Returns the type of an array of such textures.
+/// Returns the type of an array of textures that are read without filtering.
 pub(crate) fn sampled_layers_type() -> wgpu::BindingType {
     sampled(wgpu::TextureViewDimension::D2Array)
 }

@@ -1,4 +1,4 @@
-//! Reading back while the device continues.
+//! Read-back while the device continues to work.
 
 use futures_channel::oneshot::{Receiver, channel};
 
@@ -35,7 +35,7 @@ impl Staging {
         &self.0
     }
 
-    /// Submits the commands that fill it.
+    /// Submits the commands that fill the buffer.
     pub(crate) fn fill(self, gpu: &Gpu, commands: wgpu::CommandBuffer) -> Filling {
         let submission = gpu.submit([commands]);
         let (sender, mapped) = channel();

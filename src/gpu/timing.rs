@@ -20,18 +20,18 @@ impl PassTimes {
     }
 }
 
-/// Timestamps of one frame's compute passes, a pair each.
+/// Timestamps of one frame's compute passes: a pair per pass.
 #[derive(Debug)]
 pub(crate) struct Timestamps {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
-    /// Name of each pair's pass.
+    /// Name of the pass of each pair.
     names: Vec<&'static str>,
     /// Whether there were more passes than pairs.
     full: bool,
 }
 
-/// WebGPU's limit of a query set.
+/// Maximum number of queries in a query set, which is a limit of WebGPU.
 const MAX_QUERIES: u32 = wgpu::QUERY_SET_MAX_QUERIES;
 
 impl Timestamps {
@@ -65,7 +65,7 @@ impl Timestamps {
         self.full
     }
 
-    /// Returns the next pair, for a pass of this name; `None` if all are used.
+    /// Returns the next pair of timestamps, for a pass of this name. Returns `None` if all pairs are used.
     pub(crate) fn next(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let first = 2 * self.names.len() as u32;
         if first + 2 > MAX_QUERIES {
@@ -80,11 +80,11 @@ impl Timestamps {
         })
     }
 
-    /// Most bytes that [`Timestamps::resolve`] writes.
+    /// Maximum number of bytes that [`Timestamps::resolve`] writes.
     pub(crate) const BYTES: u64 = MAX_QUERIES as u64 * 8;
 
-    /// Encodes a copy of the timestamps since the last call to a buffer, from `offset` on. Returns the names of their
-    /// passes.
+    /// Encodes a copy of all timestamps since the last call into the buffer `to`, from `offset` on. Returns the names
+    /// of their passes.
     pub(crate) fn resolve(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -99,7 +99,8 @@ impl Timestamps {
         names
     }
 
-    /// Waits for all passes since the last call and sums their times by name; `None` if there were too many passes.
+    /// Waits for all passes since the last call, and sums their times by name. Returns `None` if there were too many
+    /// passes.
     pub(crate) async fn read(&mut self, gpu: &Gpu) -> Result<Option<PassTimes>, Error> {
         let fill = || {
             let staging = Staging::new(gpu, Self::BYTES);

@@ -1,4 +1,4 @@
-//! Buffers and textures, uploads to them and reading back.
+//! Buffers and textures, their upload and their read-back.
 
 use super::{Gpu, Staging, TEXELS};
 use crate::Error;
@@ -19,7 +19,7 @@ pub enum Fetch {
 /// Width of the textures that hold a scene (`shaders/shared/fetch.wgsl`).
 pub(crate) const TEXTURE_WIDTH: u32 = 8192;
 
-/// Texels per upload: whole rows of these textures, 16 MiB.
+/// Number of texels per upload: 16 MiB, in whole rows of these textures.
 const PIECE: usize = 1 << 20;
 
 impl Gpu {
@@ -33,7 +33,7 @@ impl Gpu {
         })
     }
 
-    /// Makes a uniform buffer. It is not mapped at creation, since that panics on a lost device.
+    /// Creates a uniform buffer. It is not mapped at creation, since mapping panics on a lost device.
     pub(crate) fn uniform_buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
@@ -45,7 +45,7 @@ impl Gpu {
         buffer
     }
 
-    /// Returns how many texels fit one texture or binding.
+    /// Returns the number of texels that fit one texture or binding.
     pub(crate) fn texel_capacity(&self, fetch: Fetch) -> u64 {
         match fetch {
             Fetch::Texture => match self.limits.max_texture_dimension_2d {
@@ -56,7 +56,8 @@ impl Gpu {
         }
     }
 
-    /// Returns how many texels a scene's shading table may have, by either way of reading.
+    /// Returns the maximum number of texels of a scene's shading table, in a texture or in a buffer, whichever holds
+    /// more.
     #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
     pub(crate) fn largest_table(&self) -> u64 {
         self.texel_capacity(Fetch::Texture).max(self.texel_capacity(Fetch::Buffer))
@@ -73,7 +74,7 @@ impl Gpu {
     /// Uploads `count` texels from an iterator, without holding all of them at once.
     ///
     /// # Errors
-    /// Those of [`Gpu::upload`].
+    /// See [`Gpu::upload`].
     pub(crate) async fn upload_each(
         &self,
         label: &'static str,
@@ -86,10 +87,10 @@ impl Gpu {
         Ok(room)
     }
 
-    /// Makes a texture or a storage buffer for this many texels.
+    /// Creates a texture or a storage buffer for this many texels.
     ///
     /// # Errors
-    /// Those of [`Gpu::upload`].
+    /// See [`Gpu::upload`].
     pub(crate) async fn room(&self, label: &'static str, count: usize, fetch: Fetch) -> Result<Texels, Error> {
         match fetch {
             Fetch::Texture => {
@@ -125,7 +126,7 @@ impl Gpu {
     /// Writes texels from index `begin` on.
     ///
     /// # Errors
-    /// Those of [`Gpu::fill`].
+    /// See [`Gpu::fill`].
     pub(crate) async fn fill_from(
         &self,
         room: &Texels,
@@ -167,14 +168,14 @@ impl Gpu {
         Ok(())
     }
 
-    /// Makes a texture of texels in rows, the last of which may be short.
+    /// Creates a texture and fills it with rows of texels. The last row may be partial.
     pub(crate) fn filled_texture(&self, label: &str, width: u32, texels: &[Texel]) -> wgpu::TextureView {
         let texture = self.texel_rows(label, width, texels.len());
         self.write_rows(&texture, 0, texels);
         texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
 
-    /// Makes a texture for texels in rows.
+    /// Creates a texture with room for this many texels in rows of `width`.
     fn texel_rows(&self, label: &str, width: u32, texels: usize) -> wgpu::Texture {
         let height = texels.div_ceil(width as usize).max(1) as u32;
         let usage =
@@ -199,7 +200,7 @@ impl Gpu {
             self.queue.write_texture(target, bytemuck::cast_slice(texels), layout, size);
         };
         let width = texture.width() as usize;
-        // The rest of a partial row.
+        // These texels complete a partial first row.
         let (begun, texels) = texels.split_at(((width - first % width) % width).min(texels.len()));
         let rows = texels.len() / width;
         let (whole, rest) = texels.split_at(rows * width);
@@ -225,7 +226,7 @@ impl Gpu {
         filling.read(self, values).await.map(|(values, _)| values)
     }
 
-    /// Makes a texture of one layer, level and sample.
+    /// Creates a texture with one layer, one mip level and one sample.
     pub(crate) fn texture(
         &self,
         label: &str,
@@ -262,8 +263,8 @@ pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64, remedy: &'static
     })
 }
 
-/// A part of a scene on the device, freed when dropped. A browser would free it only at garbage collection, which the
-/// device's memory does not trigger.
+/// A part of a scene on the device, freed when dropped. Otherwise a browser would free it only at garbage collection,
+/// which a shortage of device memory does not trigger.
 #[derive(Debug)]
 pub(crate) enum Texels {
     Texture(wgpu::TextureView),
@@ -271,10 +272,10 @@ pub(crate) enum Texels {
 }
 
 impl Texels {
-    /// Returns whether this many texels fit into it, read this way.
+    /// Returns whether kernels read these texels by `fetch`, and whether there is room for `count` texels.
     pub(crate) fn has_room(&self, count: usize, fetch: Fetch) -> bool {
         match (self, fetch) {
-            // A texture narrower than the others has a single row.
+            // A texture narrower than `TEXTURE_WIDTH` has a single row.
             (Self::Texture(view), Fetch::Texture) => {
                 view.texture().width() as usize * view.texture().height() as usize >= count
             }

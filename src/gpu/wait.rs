@@ -1,11 +1,11 @@
-//! Waiting for the device. Nothing else waits for it.
+//! Waiting for the device. No other module waits for it.
 
 pub(crate) use self::target::Submission;
 use super::Gpu;
 use crate::Error;
 
 impl Gpu {
-    /// Waits until a submission, and all before it, are done.
+    /// Waits until a submission and all earlier ones are complete.
     ///
     /// # Errors
     /// [`Error::DeviceLost`].
@@ -24,7 +24,7 @@ mod target {
 
     use super::Gpu;
 
-    /// Longest time that one poll of a future blocks its thread.
+    /// Maximum time for which one poll of a future blocks its thread.
     const SLICE: Duration = Duration::from_millis(5);
 
     /// Commands that were submitted to the device.
@@ -36,7 +36,7 @@ mod target {
             Submission(self.queue.submit(commands))
         }
 
-        /// Waits by polling the device, which nothing else does here. Other futures of the thread run between slices.
+        /// Waits by polling the device, since no other code polls it. Other futures of the thread run between slices.
         pub(super) async fn wait(&self, submission: Submission) -> Result<(), String> {
             loop {
                 let index = Some(submission.0.clone());
@@ -49,7 +49,7 @@ mod target {
         }
     }
 
-    /// Is pending once.
+    /// Returns `Pending` once, so that other futures of the thread run.
     async fn let_others_run() {
         let mut is_ready = false;
         poll_fn(|context| {
@@ -83,7 +83,7 @@ mod target {
             Submission(done)
         }
 
-        /// Waits without polling: the browser drives the device when this code is not running.
+        /// Waits without polling. The browser drives the device while this code is not running.
         pub(super) async fn wait(&self, submission: Submission) -> Result<(), String> {
             submission.0.await.map_err(|error| error.to_string())
         }

@@ -103,7 +103,7 @@ pub(crate) struct Bvh {
     pub(crate) zero: u32,
 }
 
-/// `Bvh` of shaders/shared/fetch.wgsl, in place of the other one.
+/// `Bvh` of shaders/shared/fetch.wgsl for scenes with cut-outs.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct CutOutBvh {
@@ -139,7 +139,8 @@ pub(crate) struct Mapping {
     pub(crate) _pad: [u32; 2],
 }
 
-/// The head of an empty list (`shaders/shared/lists.wgsl`): an indirect dispatch of no workgroups, and no entries.
+/// Head of an empty list (`shaders/shared/lists.wgsl`): arguments of an indirect dispatch of no workgroups, and a count
+/// of 0.
 pub(crate) const EMPTY_LIST: [u32; 4] = [0, 1, 1, 0];
 /// Number of lists in `Lists`, and their indices.
 pub(crate) const LISTS: usize = 4;
@@ -147,32 +148,33 @@ pub(crate) const TO_TRACE: u32 = 0;
 pub(crate) const TO_LIGHT: u32 = 1;
 pub(crate) const TO_RESOLVE: u32 = 2;
 pub(crate) const SKY: u32 = 3;
-/// Number of heads, including those of dispatches that run whole or not at all.
+/// Number of heads. Two of them belong to dispatches that the kernel `choose` enables or disables as a whole.
 pub(crate) const HEADS: usize = LISTS + 2;
 pub(crate) const TO_SEARCH: u32 = 4;
 pub(crate) const ALL_TRACED: u32 = 5;
-/// Bytes of `Lists` before its entries.
+/// Offset of the entries in `Lists`, in bytes.
 pub(crate) const LISTS_HEADS: u64 = (HEADS * size_of::<[u32; 4]>()) as u64;
 
-/// Threads of a workgroup in x and in y (`shaders/shared/pixels.wgsl`).
+/// Number of threads of a workgroup in x and in y (`shaders/shared/pixels.wgsl`).
 pub(crate) const WORKGROUP: u32 = 8;
-/// Threads of a workgroup in a dispatch over a list (`shaders/shared/pixels.wgsl`).
+/// Number of threads of a workgroup in a dispatch over a list (`shaders/shared/pixels.wgsl`).
 pub(crate) const LIST_WORKGROUP: u32 = 64;
 
-/// Pixels of a tile's side, and of a tile (`shaders/shared/tiles.wgsl`).
+/// Side of a tile, in pixels (`shaders/shared/tiles.wgsl`).
 pub(crate) const TILE: u32 = 8;
-/// Side, in samples, of the square that is searched at once with several samples a pixel
+/// Side, in samples, of the square that `search_wide_tiles` searches at once, if there are several samples per pixel
 /// (`shaders/shared/search.wgsl`).
 pub(crate) const WIDE_TILE: u32 = 16;
-/// Pixels of a row that a thread of `mark_busy` tests (`shaders/shared/tiles.wgsl`).
+/// Number of pixels of a row that a thread of `mark_busy` tests (`shaders/shared/tiles.wgsl`).
 pub(crate) const BUSY_RUN: u32 = 16;
+/// Number of pixels of a tile.
 pub(crate) const TILE_PIXELS: u32 = TILE * TILE;
-/// Words of a tile's bound and busy lights (`shaders/shared/tiles.wgsl`).
+/// Number of words per tile for its bound and its busy lights (`shaders/shared/tiles.wgsl`).
 pub(crate) const BOUND_WORDS: u32 = 2;
-/// Words of a tile's search results (`shaders/shared/lists.wgsl`).
+/// Number of words per tile for its search results (`shaders/shared/lists.wgsl`).
 pub(crate) const TILE_WORDS: u32 = 642;
 
-/// Words of a view's `counters` per picture row, and their indices (shaders/shared/counters.wgsl).
+/// Number of counters per picture row of a view, and their indices (shaders/shared/counters.wgsl).
 pub(crate) const COUNTERS: usize = 13;
 pub(crate) const SHADOW_RAYS: usize = 0;
 pub(crate) const NODES_VISITED: usize = 1;
@@ -187,15 +189,16 @@ pub(crate) const GAP_PIXELS: usize = 9;
 pub(crate) const CHOSEN: usize = 10;
 pub(crate) const SENT_RAYS: usize = 11;
 pub(crate) const OWN_SHADOW_RAYS: usize = 12;
-/// Value of `CHOSEN` in a band's first row if `bracket` is cheaper.
+/// Value of `CHOSEN` in a band's first row if `choose` predicts that `bracket` is cheaper.
 pub(crate) const BRACKET_CHOSEN: u32 = 1;
 
 /// Marks of pixels (`shaders/shared/marks.wgsl`).
 pub(crate) const BAD: u32 = 0x4000_0000;
 pub(crate) const MISSED: u32 = 0x8000_0000;
 pub(crate) const ASKED: u32 = 0x2000_0000;
-/// The colour of a packed pixel; marks take the place of alpha (`shaders/show/pack.wgsl`).
+/// Bits of the colour in a packed pixel. Marks replace the alpha (`shaders/show/pack.wgsl`).
 pub(crate) const PACKED_COLOR: u32 = 0x00ff_ffff;
 
-/// A triangle is large for a point nearer to its plane than its longest edge divided by this; `LARGE` in the kernels.
+/// A triangle counts as large for a point if the point's distance to its plane is less than its longest edge divided by
+/// `LARGE`. The kernels have the same constant.
 pub(crate) const LARGE: f32 = 64.0;

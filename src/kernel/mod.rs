@@ -1,4 +1,4 @@
-//! Kernels: a WGSL file and a role each. Variants choose what is linked into their texts.
+//! Kernels. Each consists of a WGSL file and a role. A variant selects the definitions that are linked into its text.
 
 pub(crate) mod layout;
 mod resource;
@@ -24,10 +24,11 @@ use crate::{
 /// A compute kernel. Its text has one entry point.
 #[derive(Clone, Copy)]
 pub(crate) struct Kernel {
-    /// Its name in times and messages.
+    /// Name in timings and messages.
     pub(crate) name: &'static str,
     pub(crate) role: Role,
-    /// Its file. The definitions that it uses of `shaders/shared/` are added (`src/kernel/wgsl.rs`).
+    /// File of the entry point. The linker (`src/kernel/wgsl.rs`) adds the definitions of `shaders/shared/` that it
+    /// uses.
     pub(crate) main: Part,
 }
 
@@ -46,25 +47,25 @@ impl std::fmt::Debug for Kernel {
 }
 
 impl Kernel {
-    /// Returns the side of a thread's block, in pixels.
+    /// Returns the side of the block of pixels that a thread computes, in pixels.
     pub(crate) fn block(&self, with: &Variant) -> u32 {
         if self.role.reads_tree() { with.of_role(self.role).traversal.rays.block() } else { 1 }
     }
 }
 
-/// A kernel's identity in a variant: kernels that differ in their names alone are the same.
+/// Identity of a linked kernel: its file, role and variant. Kernels that differ only in their names are the same.
 type Key = (&'static str, Role, Variant);
 
-/// The kernels used so far.
+/// Cache of the kernels that have been used.
 #[derive(Debug, Default)]
 pub(crate) struct Kernels(Mutex<HashMap<Key, Known>>);
 
-/// A kernel in a variant.
+/// A kernel that was linked for a variant.
 #[derive(Debug)]
 struct Known {
-    /// The resources that it binds, in the order of their bindings.
+    /// Resources that the kernel binds, in the order of their bindings.
     bound: Arc<[Resource]>,
-    /// Its text, until it is built.
+    /// Linked text; `None` after the pipeline is built.
     linked: Option<Linked>,
     built: Option<Built>,
 }

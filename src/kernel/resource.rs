@@ -9,7 +9,7 @@ macro_rules! resources {
         impl Resource {
             pub(crate) const ALL: &[Self] = &[$(Self::$resource,)*];
 
-            /// Returns the resource of this name. Every kernel's resources are known, which a test verifies.
+            /// Returns the resource of this name. A test verifies that the names of all kernels' resources are known.
             pub(crate) fn named(name: &str) -> Self {
                 match name {
                     $($name => Self::$resource,)*
@@ -21,45 +21,45 @@ macro_rules! resources {
 }
 
 resources! {
-    /// Uniform of a view.
+    /// Uniform buffer of a view.
     Frame = "frame",
     /// Pixels of the current view.
     View = "view",
-    /// Pixels of its source.
+    /// Pixels of the source view.
     Source = "source",
-    /// The parts of a view's pixels that the host reads back.
+    /// Parts of a view's pixels that the host reads back, packed.
     Packed = "packed",
-    /// Linear colour of the current view, RGB and 1.
+    /// Linear colour of the current view: RGB and 1.
     Linear = "linear_color",
-    /// Linear colour of its source.
+    /// Linear colour of the source view.
     SourceLinear = "source_linear",
-    /// Search depth of each tile of the current view.
+    /// Search bound and busy lights of each tile of the current view.
     Bounds = "bounds",
-    /// Counters of each of its rows, followed by the cost map and the masks of soft light.
+    /// Counters of each row of the current view, followed by its cost map and its masks of soft light.
     Counters = "counters",
-    /// Counters of its source.
+    /// Counters of the source view.
     SourceCounters = "source_counters",
-    /// Lists of pixels or tiles, with indirect heads, followed by the results of `search_tiles`.
+    /// Lists of pixels or tiles with heads for indirect dispatches, followed by the results of `search_tiles`.
     Lists = "lists",
     /// The 3D buffer.
     Slots = "slots",
-    /// Samples of the view, for views that are made from it.
+    /// Samples of the current view, for views that are made from it.
     KeptSamples = "kept_samples",
-    /// Samples of its source.
+    /// Samples of the source view.
     SourceSamples = "source_samples",
     /// Samples of a second source.
     SecondSamples = "second_samples",
     /// Mask of the wanted pixels.
     Wanted = "wanted_pixels",
-    /// Two words a pixel: the nearest t so far, and its primitive (`shaders/shared/t_buffer.wgsl`).
+    /// T-buffer with two words per pixel: the nearest t so far, and its primitive (`shaders/shared/t_buffer.wgsl`).
     TBuffer = "t_buffer",
-    /// Lists of primitives to draw into it, with indirect heads.
+    /// Lists of primitives to draw into the T-buffer, with heads for indirect dispatches.
     Drawing = "drawing",
     /// Finished texels of a shadow-buffer.
     Texels = "texels",
     /// Shadow-buffers of all lights.
     ShadowBuffers = "shadow_buffers",
-    /// The texture that shows a view.
+    /// Texture to which a view is written for display.
     Picture = "picture",
     /// Number of threads of an encoded frame that did not finish.
     Unfinished = "unfinished",
@@ -67,14 +67,14 @@ resources! {
     Steps = "steps",
     /// The caller's rays.
     RayList = "ray_list",
-    /// Their hits.
+    /// Hits of the caller's rays.
     Found = "found",
-    /// Uniform of the BVH.
+    /// Uniform buffer of the BVH.
     Bvh = "bvh",
-    /// Nodes and primitives.
+    /// Nodes and primitives of the BVH.
     Geometry = "geometry",
     /// The shading table.
     Table = "table",
-    /// Objects of the primitives.
+    /// Object that each primitive belongs to.
     ObjectTable = "object_table",
 }

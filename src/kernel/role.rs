@@ -1,46 +1,47 @@
-//! What kernels do. Their texts and variants are chosen by it, so a new role makes the compiler ask for every choice.
+//! Roles of kernels. A role determines a kernel's text and the part of the variant that matters to it. The code matches
+//! on roles, so the compiler demands every choice for a new role.
 
 use crate::kernel::variant::SoftRole;
 
-/// The part of a kernel in a frame.
+/// Role of a kernel in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Role {
-    /// Works on pixels and lists, without the scene.
+    /// Processes pixels and lists without reading the scene.
     Pixels,
-    /// The same with linear colour.
+    /// Processes pixels and their linear colour without reading the scene.
     LinearPixels,
-    /// Marks lights that source samples disagree about.
+    /// Marks busy lights: lights whose visibility at a point is not determined by the source samples beside it.
     MarkBusy,
-    /// Reads the objects of primitives.
+    /// Reads the objects that primitives belong to.
     Objects,
-    /// Finds hits, and shades nothing.
+    /// Finds hits without shading them.
     Hits(Hits),
-    /// Draws primitives.
+    /// Draws primitives onto a canvas.
     Draw(Canvas),
     /// Traces the caller's rays.
     RayList(Dispatches),
-    /// Shades hits.
+    /// Shades hits, or prepares their shading.
     Shade(Shading),
 }
 
-/// Which pixels a kernel finds the hits of.
+/// The pixels whose hits a kernel finds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Hits {
     /// All pixels of a view.
     View,
-    /// Pixels of tiles.
+    /// Pixels of the tiles that `bracket` searches.
     Tiles,
-    /// Reprojected pixels, which rays check.
+    /// Reprojected pixels, each of which is verified by a ray.
     Checked,
-    /// Reprojected pixels, which are trusted.
+    /// Reprojected pixels, which are used without verification.
     Trusted,
     /// Listed pixels.
     Listed,
-    /// Pixels of a T-buffer.
+    /// Pixels whose hits a T-buffer holds.
     Drawn,
 }
 
-/// What primitives are drawn on.
+/// The canvas onto which primitives are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Canvas {
     /// A view's pixels.
@@ -51,38 +52,39 @@ pub(crate) enum Canvas {
     Texels,
 }
 
-/// Dispatches in which a thread does its work.
+/// Number of dispatches in which a thread completes its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Dispatches {
     One,
-    /// A limited number of loop rounds in each of several (`src/frame/lanes.rs`).
+    /// Several dispatches, each with a limited number of loop rounds (`src/frame/lanes.rs`).
     Many,
 }
 
-/// Which hits a kernel shades, and how it finds which lights they see.
+/// The hits that a kernel shades, and how it determines the lights that are visible from them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Shading {
-    /// Hits of its own primary rays, by shadow rays.
+    /// Hits of the kernel's own primary rays. It traces shadow rays.
     Traced(Dispatches),
-    /// Known hits of a view that others are made from, by shadow rays.
+    /// Known hits of a whole view, whose samples may be kept for other views. The kernel traces shadow rays.
     Source,
-    /// Misses only.
+    /// Misses only, which show the sky.
     Sky,
-    /// Hits whose visibility bits are reused.
+    /// Hits in tiles. The kernel reuses visibility bits and lists the pixels for which some bit is unknown.
     Reused,
-    /// Hits whose visibility bits are reused where they are known.
+    /// Hits for which some visibility bit is unknown. The kernel reuses known bits and traces shadow rays for the
+    /// others.
     Unknown,
-    /// Listed hits, by shadow rays.
+    /// Listed hits. The kernel traces shadow rays.
     Listed,
-    /// None: it samples the soft lights of a view's hits.
+    /// No hits. The kernel samples the soft lights for the hits of a view.
     Soft,
-    /// None: it samples the soft lights of listed hits.
+    /// No hits. The kernel samples the soft lights for listed hits.
     SoftListed,
-    /// None: it samples the soft lights of hits whose shares are unknown.
+    /// No hits. The kernel samples the soft lights for hits whose shares are unknown.
     SoftUnknown,
-    /// None: it lists hits that send rays on.
+    /// No hits. The kernel lists hits on surfaces that reflect or transmit rays.
     ListMirrors,
-    /// Hits of rays that surfaces send on.
+    /// Hits of secondary rays, which surfaces reflect or transmit.
     Mirrored,
 }
 
@@ -90,12 +92,12 @@ pub(crate) enum Shading {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SampleUse {
     None,
-    /// Writes them, if the frame keeps any.
+    /// Writes samples, if the frame keeps any.
     Written,
     Read,
 }
 
-/// How shadow rays are answered.
+/// How a kernel determines visibility bits: by shadow rays, by reuse, or by shadow rays for bits that cannot be reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Visible {
     Traced,
@@ -107,23 +109,23 @@ pub(crate) enum Visible {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Does {
     pub(crate) samples: SampleUse,
-    /// Its part in soft light, if there is any.
+    /// Role of the kernel in soft light.
     pub(crate) soft: SoftRole,
     pub(crate) visibility: Visible,
-    /// Whether points query shadow-buffers before they trace shadow rays.
+    /// Whether shaded points query shadow-buffers before shadow rays are traced.
     pub(crate) queries_shadow_buffers: bool,
-    /// Whether it follows the rays that surfaces send on.
+    /// Whether the kernel traces secondary rays, which surfaces reflect or transmit.
     pub(crate) follows: bool,
     pub(crate) dispatches: Dispatches,
     pub(crate) canvas: Canvas,
-    /// Whether reused pixels are checked by rays.
+    /// Whether rays verify reused pixels.
     pub(crate) checks: bool,
-    /// Whether it depends on the mask of wanted pixels.
+    /// Whether the kernel depends on the mask of wanted pixels.
     pub(crate) minds_mask: bool,
 }
 
 impl Does {
-    /// A kernel that shades nothing.
+    /// Properties of a kernel that shades nothing.
     const PLAIN: Self = Self {
         samples: SampleUse::None,
         soft: SoftRole::None,
@@ -150,7 +152,7 @@ impl Role {
         }
     }
 
-    /// Returns whether it reads the scene's tree.
+    /// Returns whether kernels of this role read the scene's tree.
     pub(crate) fn reads_tree(self) -> bool {
         match self {
             Self::Pixels | Self::LinearPixels | Self::MarkBusy | Self::Objects => false,

@@ -1,4 +1,5 @@
-//! Checks every kernel in every variant against naga, the adapter, the table and the host's structs.
+//! Validates every kernel in every variant with naga, builds pipelines on the adapter, and compares layouts with the
+//! host.
 
 mod layouts;
 mod variants;
@@ -29,7 +30,7 @@ fn parse(kernel: &Kernel, with: &Variant) -> naga::Module {
     })
 }
 
-/// Returns every distinct text, with its kernel and a variant that gives it.
+/// Returns every distinct text, with its kernel and a variant that produces it.
 fn modules() -> Vec<(&'static Kernel, Variant, String)> {
     let mut seen = BTreeSet::new();
     let all = ALL.into_iter().flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| (kernel, with)));
@@ -118,8 +119,8 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
 }
 
 /// Builds every ninth variant of each kernel, and every 27th of kernels that draw on tables, with offsets that differ
-/// between kernels. The long form (`STEREOTRACE_TESTS=long`) builds every third and every ninth. Drivers are slow; naga
-/// and Tint read all variants.
+/// between kernels. The long form (`STEREOTRACE_TESTS=long`) builds every third and every ninth. Drivers are too slow
+/// to build all variants. naga and Tint validate all of them.
 #[test]
 fn specialised_kernels_make_pipelines() {
     let gpu =
@@ -175,8 +176,8 @@ fn bindings_are_those_that_another_compiler_sees() {
     }
 }
 
-/// Verifies by an independent compiler that texts hold used definitions only. (naga follows calls, but does not know
-/// what a constant `if` leaves out.)
+/// Verifies with naga that texts have only definitions that they use. naga follows calls, but does not evaluate
+/// constant `if` conditions.
 #[test]
 fn no_kernel_has_a_function_or_variable_that_it_does_not_use() {
     for (kernel, with, text) in modules() {
@@ -185,7 +186,7 @@ fn no_kernel_has_a_function_or_variable_that_it_does_not_use() {
         naga::compact::compact(&mut used, naga::compact::KeepUnused::No);
         let names = |module: &naga::Module| -> BTreeSet<String> {
             let functions = module.functions.iter().filter_map(|(_, function)| function.name.clone());
-            // A binding is declared for the reader, whether or not some variant needs it.
+            // Bindings are excluded. They are declared for the reader, whether or not a variant needs them.
             let variables = module.global_variables.iter().filter(|(_, variable)| variable.binding.is_none());
             functions.chain(variables.filter_map(|(_, variable)| variable.name.clone())).collect()
         };
@@ -200,7 +201,7 @@ fn files_list_the_shared_files_that_they_use_and_these_form_no_circle() {
         let [found, listed] = wgsl::uses_of(part);
         assert_eq!(listed, found, "{}", part.file);
     }
-    // Files that use no others left are taken away until none is left.
+    // Each round removes the files that use none of the remaining files. A cycle would remain.
     let mut left: Vec<_> = SHARED.iter().map(|part| (part.file, wgsl::uses_of(*part)[0].clone())).collect();
     while !left.is_empty() {
         let (above, below): (Vec<_>, Vec<_>) = left.iter().cloned().partition(|(_, uses)| !uses.is_empty());
@@ -235,7 +236,7 @@ fn every_wgsl_file_is_known_and_every_shared_definition_is_part_of_a_kernel() {
     assert!(unused.is_empty(), "{unused:#?}");
 }
 
-/// A feature that a frame does not use costs nothing: it is not in the text for the driver.
+/// A feature that a frame does not use costs nothing, since the text for the driver does not contain it.
 #[test]
 fn buffers_that_take_the_place_of_rays_are_in_no_text_without_them() {
     let mut with_tables = 0;

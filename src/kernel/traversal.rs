@@ -28,7 +28,7 @@ pub enum RaysPerLane {
 }
 
 impl RaysPerLane {
-    /// Returns the side of a thread's block, in pixels.
+    /// Returns the side of the block of pixels that a thread computes, in pixels.
     pub(crate) fn block(self) -> u32 {
         match self {
             Self::One => 1,
@@ -45,7 +45,7 @@ pub struct Traversal {
     pub fetch: Fetch,
     /// How boxes are stored.
     pub boxes: Boxes,
-    /// How many rays a thread traces.
+    /// Number of rays that a thread traces.
     pub rays: RaysPerLane,
 }
 
@@ -71,7 +71,7 @@ impl Traversal {
         self
     }
 
-    /// Sets how many rays a thread traces.
+    /// Sets the number of rays that a thread traces.
     pub fn rays(mut self, rays: RaysPerLane) -> Self {
         self.rays = rays;
         self
@@ -97,7 +97,7 @@ impl Traversal {
 }
 
 impl fmt::Display for Traversal {
-    /// Formats a variant as in tables: `textures, f32, 4 rays`.
+    /// Formats a variant for tables: `textures, f32, 4 rays`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let fetch = match self.fetch {
             Fetch::Texture => "textures",

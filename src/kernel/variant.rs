@@ -1,9 +1,8 @@
-//! Pipeline variants: what kernels are specialised to, and the resulting choices for their WGSL. Only this module
-//! chooses.
+//! Pipeline variants: the properties for which kernels are specialised, and the resulting choices of WGSL sections.
+//! Only this module makes choices.
 //!
-//! `src/kernel/wgsl.rs` composes a kernel's text. A feature that a scene lacks is not chosen, so its code is not in the
-//! kernel (DESIGN, section 6). Examples are spheres, ellipsoids, vertex normals, lights, a sky gradient, or anything to
-//! hit.
+//! `src/kernel/wgsl.rs` links a kernel's text. The text has no code for features that the scene lacks (DESIGN, section
+//! 6). Examples are spheres, ellipsoids, vertex normals, lights, a sky gradient, or any primitives at all.
 
 mod choices;
 
@@ -24,8 +23,9 @@ pub(crate) enum Shadows {
 }
 
 impl Shadows {
-    /// Shadow rays run from the light, unless it is farther away than this multiple of the scene's longest side. From
-    /// there their end would be visibly off the surface.
+    /// Shadow rays start at the light, unless it is farther away than this multiple of the scene's longest side. A
+    /// ray's end is offset from the surface by a share of the ray's length. For farther lights the offset would be
+    /// visible.
     const FAR_LIGHT: f32 = 64.0;
 
     fn of(scene: &Scene) -> Self {
@@ -43,15 +43,15 @@ impl Shadows {
     }
 }
 
-/// Indices of a primitive's optional texels. They follow three texels that all scenes have, and a fourth for vertex
-/// normals or ellipsoids.
+/// Indices of a primitive's optional texels. They follow the three texels that all primitives have, and a fourth one
+/// for vertex normals or ellipsoids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TexelPlaces {
-    /// The first of two with texture coordinates.
+    /// Index of the first of two texels with texture coordinates.
     pub(crate) uv: usize,
-    /// The one with the corners' colours.
+    /// Index of the texel with the corners' colours.
     pub(crate) colors: usize,
-    /// Number of all texels.
+    /// Number of texels per primitive.
     pub(crate) count: usize,
 }
 
@@ -64,8 +64,8 @@ impl TexelPlaces {
     }
 }
 
-/// Returns the texels of a material in the shading table; `more` if some material has highlights, emits light or sends
-/// rays on.
+/// Returns the number of texels per material in the shading table. `more` says whether some material has highlights,
+/// emits light, or reflects or transmits rays.
 pub(crate) fn material_texels(more: bool) -> usize {
     if more { 4 } else { 1 }
 }
@@ -88,94 +88,95 @@ impl SkyKind {
     }
 }
 
-/// Returns the texels of a light in the shading table; `soft` if some light is not a point.
+/// Returns the number of texels per light in the shading table. `soft` says whether some light is not a point light.
 pub(crate) fn light_texels(soft: bool) -> usize {
     if soft { 4 } else { 2 }
 }
 
-/// A kernel's part in soft light.
+/// Role of a kernel in soft light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SoftRole {
-    /// There is no soft light.
+    /// The frame or the kernel has no soft light.
     None,
-    /// Other kernels add it.
+    /// Other kernels add soft light.
     Skipped,
-    /// The kernel adds it by masks.
+    /// The kernel adds soft light according to the masks.
     Masked,
-    /// The kernel makes the masks.
+    /// The kernel fills the masks.
     Asked,
-    /// The kernel traces its own rays.
+    /// The kernel traces its own rays to soft lights.
     Followed,
 }
 
-/// What a pipeline is specialised to.
+/// Properties for which a pipeline is specialised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Variant {
     pub(crate) traversal: Traversal,
     pub(crate) projection: Projection,
     pub(crate) triangles: bool,
-    /// Spheres or ellipsoids.
+    /// Whether the scene has spheres or ellipsoids.
     pub(crate) spheres: bool,
-    /// Some of them are ellipsoids. Spheres are then traced as ellipsoids.
+    /// Whether the scene has ellipsoids. Spheres are then traced as ellipsoids.
     pub(crate) ellipsoids: bool,
-    /// Number of planes, which are in no tree.
+    /// Number of planes. The tree does not contain them.
     pub(crate) planes: u32,
     pub(crate) normals: bool,
-    /// Primitives have texture coordinates, or colours at their corners.
+    /// Whether primitives have texture coordinates (`uv`), and whether they have colours at their corners (`colors`).
     pub(crate) uv: bool,
     pub(crate) colors: bool,
-    /// Some material is textured, or some corner has a colour.
+    /// Whether some material is textured, or some corner has a colour.
     pub(crate) textures: bool,
-    /// Some material has highlights or emits light.
+    /// Whether some material has highlights or emits light.
     pub(crate) shine: bool,
-    /// Some highlights are normalised.
+    /// Whether some highlights are normalised.
     pub(crate) normalised: bool,
-    /// Some surface sends rays on: a mirror, glass or a veil.
+    /// Whether some surface reflects or transmits rays: a mirror, glass or a transparent surface.
     pub(crate) mirrors: bool,
-    /// Some material, and so perhaps some triangle, is cut out.
+    /// Whether some material, and so possibly some triangle, is cut out.
     pub(crate) cutouts: bool,
     pub(crate) lights: bool,
     pub(crate) shadows: Shadows,
-    /// Some lights are not points.
+    /// Whether some lights are not point lights.
     pub(crate) soft_lights: bool,
     /// Whether lights cast shadows.
     pub(crate) casts: bool,
-    /// Rays to each soft light, and into the surroundings; 0 without such light.
+    /// Number of rays to each soft light (`shadow_rays`) and into the surroundings (`occlusion_rays`); 0 without such
+    /// light.
     pub(crate) shadow_rays: u32,
     pub(crate) occlusion_rays: u32,
-    /// Sky light takes the place of ambient light.
+    /// Whether sky light replaces ambient light.
     pub(crate) sky_light: bool,
-    /// Views reuse shares of soft light as well as visibility bits.
+    /// Whether views reuse shares of soft light in addition to visibility bits.
     pub(crate) shares: bool,
     pub(crate) sky: SkyKind,
-    /// Each box is widened by its own distance, for scenes far larger than their detail.
+    /// Whether each box is widened in proportion to its own distance, for scenes far larger than their detail.
     pub(crate) world_boxes: bool,
-    /// An eye or a light is close to a large primitive.
+    /// Whether an eye or a light is close to a large primitive.
     pub(crate) close: bool,
-    /// Source samples are kept for reuse.
+    /// Whether source samples are kept for reuse.
     pub(crate) samples: bool,
-    /// Views also query a second source.
+    /// Whether views also query a second source.
     pub(crate) second: bool,
-    /// Linear colour is kept.
+    /// Whether linear colour is kept.
     pub(crate) linear: bool,
-    /// Only the pixels in a mask are computed.
+    /// Whether only the pixels in a mask are computed.
     pub(crate) masked: bool,
-    /// Jittered samples per side of a pixel; 0 or 1 for none.
+    /// Number of jittered samples per side of a pixel; 0 or 1 without jitter.
     pub(crate) jitter: u32,
-    /// Words of a traversal's stack.
+    /// Size of a traversal's stack, in words.
     pub(crate) stack_size: u32,
-    /// Which visibility bits are reused.
+    /// Rule for the reuse of visibility bits.
     pub(crate) bits: ShadowReuse,
-    /// Nodes and primitive tests are counted.
+    /// Whether visited nodes and primitive tests are counted.
     pub(crate) count: bool,
-    /// They are also counted for each pixel.
+    /// Whether they are also counted per pixel.
     pub(crate) cost_map: bool,
-    /// Points query shadow-buffers before they trace shadow rays.
+    /// How points query shadow-buffers before shadow rays are traced; `None` if the frame uses no shadow-buffers.
     pub(crate) shadow_buffer: Option<Reading>,
 }
 
 impl Variant {
-    /// The variant of a kernel that does not touch the scene.
+    /// Variant of kernels that do not read the scene.
     pub(crate) const PIXELS: Self = Self {
         traversal: Traversal { fetch: Fetch::Texture, boxes: Boxes::Grid16, rays: RaysPerLane::One },
         projection: Projection::Planar,
@@ -214,7 +215,8 @@ impl Variant {
         shadow_buffer: None,
     };
 
-    /// Returns the variant for a scene with a tree of these properties. Counting is chosen by the frame.
+    /// Returns the variant for a scene with a tree of these properties. Properties of the frame, such as counting, are
+    /// set later.
     pub(crate) fn over_tree(scene: &Scene, traversal: Traversal, world_boxes: bool, stack_size: u32) -> Self {
         let triangles = scene.triangles().iter().any(|triangle| !triangle.is_degenerate());
         let balls = !scene.spheres().is_empty() || !scene.ellipsoids().is_empty();
@@ -244,21 +246,22 @@ impl Variant {
         }
     }
 
-    /// Reduces the variant to what kernels of a role depend on. A kernel that does not touch the scene is the same for
-    /// every scene.
+    /// Reduces the variant to the properties on which kernels of a role depend. Kernels that do not read the scene are
+    /// the same for every scene.
     pub(crate) fn of_role(self, role: Role) -> Self {
         let with = match role {
-            // It depends on whether samples have shares.
+            // The kernel depends on whether samples have shares.
             Role::MarkBusy if self.shares && self.is_soft() => {
                 Self { triangles: true, soft_lights: true, shares: true, ..Self::PIXELS }
             }
             Role::Pixels | Role::MarkBusy => Self::PIXELS,
             Role::LinearPixels => Self { linear: self.linear, ..Self::PIXELS },
             Role::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
-            // One texel a lane.
+            // Each lane marks a single texel.
             Role::Draw(Canvas::Texels) => Self { traversal: self.traversal.rays(RaysPerLane::One), ..self.unlit() },
             Role::Draw(Canvas::Picture | Canvas::Middles) | Role::Hits(_) | Role::RayList(_) => self.unlit(),
-            // One ray a lane, which starts anywhere, or one pixel a lane if none is traced.
+            // Each lane traces one secondary ray or lists one pixel. Secondary rays start anywhere, so they count as
+            // close.
             Role::Shade(Shading::ListMirrors | Shading::Mirrored) => Self {
                 traversal: self.traversal.rays(RaysPerLane::One),
                 close: true,
@@ -320,7 +323,7 @@ impl Variant {
         self.triangles || self.spheres
     }
 
-    /// Returns a role's part in soft light.
+    /// Returns how kernels of a role take part in soft light.
     pub(crate) fn soft_role(&self, role: Role) -> SoftRole {
         if self.is_soft() { role.does().soft } else { SoftRole::None }
     }
@@ -338,8 +341,8 @@ impl Variant {
         self.second && matches!(role, Role::Shade(_)) && self.sample_use(role) == SampleUse::Read
     }
 
-    /// Switches the counting of nodes and primitive tests. Counting kernels trace one ray a lane on every adapter, so
-    /// that counters do not depend on it.
+    /// Enables or disables the counting of visited nodes and primitive tests. Counting kernels trace one ray per lane
+    /// on every adapter, so that counters do not depend on the adapter.
     pub(crate) fn counting(self, count: bool, cost_map: bool) -> Self {
         let count = count || cost_map;
         let rays = if count { RaysPerLane::One } else { self.traversal.rays };

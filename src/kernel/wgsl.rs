@@ -1,16 +1,17 @@
-//! Linker of WGSL: a kernel's text is its own file and the definitions of `shaders/shared/` that it uses.
+//! Linker of WGSL. A kernel's text consists of its own file and the definitions of `shaders/shared/` that the file
+//! uses.
 //!
-//! Each file begins with the shared files that it uses (`//! use camera, lane`). A test compares these lists with what
-//! it uses, and finds circles among shared files. Every top-level name (`fn`, `struct`, `const`, `override`, `var`,
-//! `alias`) belongs to the file that defines it. The linker adds each definition that a kernel's file uses, directly or
-//! indirectly, once. The order of WGSL definitions does not matter. A name that the kernel's own file defines (a
-//! binding such as `view`) takes precedence, for shared definitions too.
+//! Each file begins with a list of the shared files that it uses (`//! use camera, lane`). A test compares these lists
+//! with the actual uses, and detects cycles among shared files. Every top-level name (`fn`, `struct`, `const`,
+//! `override`, `var`, `alias`) belongs to the file that defines it. The linker adds each definition that a kernel's
+//! file uses, directly or indirectly, once. The order of WGSL definitions does not matter. A name that the kernel's own
+//! file defines (a binding such as `view`) takes precedence, even where shared definitions use it.
 //!
-//! A definition uses its words, except comments, words after a dot, and its own names (locals, parameters, members). So
-//! a definition may not give one of its own names the name of a shared definition that it uses. The linker would not
-//! add that definition, and a compiler would miss it.
+//! A definition uses all its words except comments, words after a dot, and its own names (locals, parameters, members).
+//! Therefore a definition must not give one of its own names the name of a shared definition that it uses. The linker
+//! would omit the shared definition, and a compiler would report it as missing.
 //!
-//! If a name has several definitions, each is in a section of its file with a condition:
+//! If a name has several definitions, each of them is in a section of its file with a condition:
 //!
 //! ```wgsl
 //! //! if sky is constant
@@ -23,8 +24,8 @@
 //! A section may depend on several choices: `//! if sky is map and lights is none`. It ends at the next section, at
 //! `//! end`, or with its file. `src/kernel/variant.rs` makes all choices.
 //!
-//! A resource is a `var` in no address space or in `uniform` or `storage`. WGSL files leave out its group and binding:
-//! the linker numbers the resources of each text, and returns them by name.
+//! A resource is a `var` without an address space, or in `uniform` or `storage`. WGSL files omit its group and binding.
+//! The linker numbers the resources of each text and returns them by name.
 
 use std::{collections::HashMap, sync::LazyLock};
 
@@ -144,10 +145,10 @@ impl Condition {
 pub(crate) struct Definition {
     pub(crate) name: &'static str,
     pub(crate) file: &'static str,
-    /// Its first line, counted from 1.
+    /// Number of its first line, counted from 1.
     pub(crate) line: usize,
     pub(crate) when: Vec<Condition>,
-    /// Its type, if it is a resource.
+    /// Binding type, if the definition is a resource.
     binding: Option<wgpu::BindingType>,
     /// Offset of its text in the file.
     at: usize,
@@ -156,15 +157,15 @@ pub(crate) struct Definition {
     uses: Vec<&'static str>,
 }
 
-/// A linked text.
+/// The linked text of a kernel.
 #[derive(Debug)]
 pub(crate) struct Linked {
     pub(crate) text: String,
-    /// The resources that it binds in group 0, from binding 0 on.
+    /// Resources that the text binds in group 0, from binding 0 on.
     pub(crate) bindings: Vec<Binding>,
 }
 
-/// A resource of a text.
+/// A resource that a linked text binds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Binding {
     pub(crate) resource: Resource,
@@ -197,8 +198,9 @@ static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
     Library { definitions, by_name }
 });
 
-/// Links a kernel: the shared definitions that it uses, as chosen, then its own file. A comment with file and line
-/// (`// shared/lane.wgsl:7`) precedes each definition, so that messages of compilers can be traced to the source.
+/// Links a kernel. The text has the shared definitions that the kernel uses under these choices, then the kernel's own
+/// file. A comment with file and line (`// shared/lane.wgsl:7`) precedes each shared definition and the kernel's file.
+/// With it, compiler messages can be traced to the source.
 pub(crate) fn linked(main: Part, choices: &[Choice]) -> Linked {
     let own = definitions(main);
     let mut taken = vec![false; LIBRARY.definitions.len()];
@@ -232,7 +234,8 @@ pub(crate) fn linked(main: Part, choices: &[Choice]) -> Linked {
     linked
 }
 
-/// Returns the file and line below `shaders/` of a line of a kernel's text. Lines count from 1.
+/// Returns the file below `shaders/`, and the line in it, from which a line of a kernel's text was copied. Lines count
+/// from 1.
 #[cfg(test)]
 pub(crate) fn origin(text: &str, line: usize) -> Option<String> {
     let above = text.lines().take(line - 1).enumerate();
@@ -243,7 +246,8 @@ pub(crate) fn origin(text: &str, line: usize) -> Option<String> {
     marks.last().map(|(file, line)| format!("{file}.wgsl:{line}"))
 }
 
-/// Returns the names of the shared files that a file uses, in any choice, and of those that it lists.
+/// Returns the names of the shared files that a file uses under any choices, and the names of the shared files that it
+/// lists.
 #[cfg(test)]
 pub(crate) fn uses_of(part: Part) -> [std::collections::BTreeSet<&'static str>; 2] {
     let own = definitions(part);

@@ -1,4 +1,5 @@
-//! `atomic`: the nearest sample that lands in a pixel, by atomicMax (thesis, 3.1.2.2), then checked.
+//! The `atomic` method: each pixel reuses the nearest sample that lands in it, by atomicMax (thesis, 3.1.2.2). Reused
+//! pixels are then checked as [`Check`] says.
 
 use super::{Promise, Target};
 use crate::{

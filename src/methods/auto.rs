@@ -1,5 +1,5 @@
-//! `auto` and its cost model: it chooses between `bracket` and `naive` once a band of the left view is traced
-//! (shaders/bracket/choose.wgsl).
+//! The `auto` method and its cost model. The method chooses between `bracket` and `naive` once a band of the left view
+//! is traced (shaders/bracket/choose.wgsl).
 
 use std::fmt;
 
@@ -59,14 +59,14 @@ impl fmt::Display for Choice {
 /// reused.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CostModel {
-    /// Bounding, searching and resolving tiles, per pixel.
+    /// Cost per pixel of bounding, searching and resolving tiles.
     pub(crate) search: f32,
-    /// A shadow ray of a whole picture.
+    /// Cost of a shadow ray in a pass over a whole picture.
     pub(crate) shadow: f32,
-    /// A shadow ray of a pixel list, relative to [`Self::shadow`].
+    /// Cost of a shadow ray in a pass over a list of pixels, relative to [`Self::shadow`].
     pub(crate) listed: f32,
-    /// Cost of the shadow rays traced outside gaps because left samples disagree, relative to all shadow rays: the
-    /// mean of `listed` times their share.
+    /// Cost of the shadow rays that are traced outside gaps because left samples disagree, relative to all shadow rays.
+    /// It is the mean of `listed` times the share of these rays.
     pub(crate) disagreed: f32,
 }
 
@@ -77,7 +77,7 @@ pub(crate) struct Asked {
     pub(crate) points: u32,
     /// Rays per point to extended lights and to the surroundings.
     pub(crate) soft: u32,
-    /// Whether shares of soft light are reused, besides bits.
+    /// Whether visible shares of soft lights are reused in addition to visibility bits.
     pub(crate) shares: bool,
 }
 
@@ -97,12 +97,13 @@ impl CostModel {
     /// [`Self::DISAGREED`] for soft light rays, without and with reuse of shares, from the counts of
     /// studies/notes/bracket.md.
     const DISAGREED_SOFT: [f32; 2] = [0.74, 0.1];
-    /// Cost of a soft light ray of a pixel list relative to one of a whole picture. Neighbours trace these rays in the
-    /// same order.
+    /// Cost of a soft light ray in a pass over a list of pixels, relative to a pass over a whole picture. It is low
+    /// because neighbouring pixels trace these rays in the same order.
     const LISTED_SOFT: f32 = 1.5;
 
-    /// CPU: medians over spheres, hall, `sponza_4x`, dragon and `buddha_1m2` on llvmpipe (studies/notes/bracket.md).
-    /// GPU: from counted nodes and primitive tests, not measured.
+    /// Creates the cost model of an adapter for a frame's light queries. The CPU figures are medians over spheres,
+    /// hall, `sponza_4x`, dragon and `buddha_1m2` on llvmpipe (studies/notes/bracket.md). The GPU figures follow from
+    /// counted nodes and primitive tests; they are not measured.
     pub(crate) fn of(gpu: &Gpu, asked: Asked) -> Self {
         let is_cpu = gpu.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let (search, shadow, listed) = if is_cpu { (1.0, 0.9, 3.0) } else { (0.35, 0.8, 1.5) };

@@ -1,4 +1,5 @@
-//! `bracket`: samples bound the depth of each tile's search, and each pixel's own ray decides (docs/BRACKET.md).
+//! The `bracket` method: reprojected samples bound the depth of each tile's search, and each pixel's own ray determines
+//! its hit (docs/BRACKET.md).
 
 use super::{Promise, Target};
 use crate::{

@@ -1,5 +1,5 @@
-//! `buffer`: all samples that land in a pixel, in a 3D buffer that is searched for the nearest (thesis, 3.1.2.1), then
-//! checked.
+//! The `buffer` method: a 3D buffer keeps all samples that land in a pixel, and is searched for the nearest (thesis,
+//! 3.1.2.1). Reused pixels are then checked as [`Check`] says.
 
 use super::{Promise, Target, atomic};
 use crate::{

@@ -1,4 +1,4 @@
-//! `ideal`: a copy of the source, the bound on the time that reuse can save.
+//! The `ideal` method: it copies the source. Its time bounds the time that reuse can save.
 
 use super::{Promise, Target};
 use crate::frame::plan::{Made, Stage, Step};

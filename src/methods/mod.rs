@@ -1,4 +1,4 @@
-//! Methods: how each makes a view from its source, and what it promises. A file a method.
+//! The methods. Each has a file with the stages that make a view from its source, and with its `Promise`.
 
 mod atomic;
 pub(crate) mod auto;
@@ -14,16 +14,16 @@ use crate::{
     steps::{mirrors, trace},
 };
 
-/// A frame's views, and what their steps depend on.
+/// The views of a frame, and the settings that their steps depend on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Views<'a> {
     /// The source of each view. A traced view is its own source.
     pub(crate) sources: &'a [usize],
-    /// Whether surfaces send rays on.
+    /// Whether some surface reflects or transmits rays.
     pub(crate) mirrors: bool,
-    /// Parts of soft light, if there is any.
+    /// Number of parts in which soft light is sampled, or `None` without soft light.
     pub(crate) soft: Option<usize>,
-    /// Whether tiles are searched four at once, as for several samples a pixel.
+    /// Whether tiles are searched four at a time, as is done for several samples per pixel.
     pub(crate) wide: bool,
     /// Whether a T-buffer finds the hits of traced views.
     pub(crate) drawn: bool,
@@ -43,18 +43,18 @@ struct Target {
 #[derive(Clone, Copy, Debug)]
 struct Promise {
     made: Made,
-    /// Which visibility bits it reuses.
+    /// Which visibility bits the method reuses.
     bits: ShadowReuse,
     /// Whether source views keep their samples for reuse.
     samples: bool,
-    /// Whether it reads the rows above and below a band.
+    /// Whether some step reads the rows above and below a band.
     reaches: bool,
-    /// Whether surfaces that send rays on are followed in each view. Otherwise the source's colour is copied.
+    /// Whether each view traces its own reflected and transmitted rays. Otherwise it copies the source's colour.
     follows: bool,
 }
 
 impl Promise {
-    /// Every pixel is as its mark says, and nothing else is reused.
+    /// Creates the promise of a method that reuses no visibility bits and keeps no samples.
     const fn of(made: Made) -> Self {
         Self { made, bits: ShadowReuse::Rays, samples: false, reaches: false, follows: true }
     }

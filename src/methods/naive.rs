@@ -1,4 +1,4 @@
-//! `naive`: every view is traced, or drawn into a T-buffer.
+//! The `naive` method: every view is traced, or drawn into a T-buffer.
 
 use super::{Promise, Target};
 use crate::{

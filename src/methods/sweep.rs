@@ -1,4 +1,5 @@
-//! Adelson & Hodges' sweep, on the device or on the host. Its result is trusted, since it has cleared the gaps.
+//! Adelson & Hodges' sweep, on the device or on the host. Its pixels are reused without checks, since the sweep has
+//! cleared the gaps.
 
 use super::{Promise, Target};
 use crate::{

@@ -210,7 +210,7 @@ fn create_beside(target: &Path) -> io::Result<NamedTempFile> {
             kind.into()
         })
     });
-    // The system's own error: tempfile's names the temporary file, but callers name the target.
+    // The system's own error is returned: tempfile's error names the temporary file, but callers name the target.
     created.map_err(|error| fault.unwrap_or(error))
 }
 
@@ -297,7 +297,7 @@ mod tests {
         assert_eq!(folder.names(), ["a", "b", "folder"]);
         assert_eq!(fs::read(folder.file("b")).unwrap(), b"new b");
 
-        // Failure during commit.
+        // A failure during commit must leave no new file.
         let mut batch = Batch::new();
         batch.add(folder.file("c"), b"c").unwrap();
         batch.add(folder.file("d"), b"d").unwrap();
@@ -341,7 +341,7 @@ mod tests {
         assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
         let error = open_pipe(&pipe, Duration::from_millis(50)).unwrap_err();
         assert_eq!((error.kind(), error.to_string()), (ErrorKind::TimedOut, "the pipe had no reader for 50ms".into()));
-        // More than a pipe buffers.
+        // The content exceeds the buffer of a pipe.
         let bytes = vec![7; 1 << 20];
         let reader = thread::spawn({
             let pipe = pipe.clone();

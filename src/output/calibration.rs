@@ -111,7 +111,7 @@ mod tests {
         let expected = "cam0=[128 0 123.5; 0 128 63.5; 0 0 1]\ncam1=[128 0 131.5; 0 128 63.5; 0 0 1]\n\
                         doffs=8\nbaseline=0.25\nwidth=256\nheight=128\nndisp=13\nisint=0\nvmin=-2\nvmax=12\ndyavg=0\ndymax=0\n";
         assert_eq!(calib_txt(&truth([11.5, -1.25, -8.0], [0, 1, MISS])), expected);
-        // Test sky alone, and points in the plane of the eyes.
+        // Tests sky alone, and points in the plane of the eyes.
         assert!(calib_txt(&truth([-8.0; 3], [MISS; 3])).contains("ndisp=1\nisint=0\nvmin=-8\nvmax=-8\n"));
         assert!(calib_txt(&truth([f32::INFINITY, 1.0, 2.0], [0; 3])).contains("vmin=1\nvmax=2\n"));
     }

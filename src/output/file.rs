@@ -254,8 +254,8 @@ mod tests {
         let path = folder.file("a.pfm");
         save_pfm(&path, 3, 2, &values).unwrap();
         assert_eq!(read_pfm(&path), (3, 2, values.to_vec()));
-        // Compare bytes too, since a reader with the same wrong row order would hide the fault. The bottom row comes
-        // first.
+        // The bytes are compared too, since a reader with the same wrong row order would hide the fault. The bottom row
+        // comes first.
         let mut expected = b"Pf\n3 2\n-1.0\n".to_vec();
         expected.extend([0.0_f32, 1e-30, 6.25, 1.5, -2.0, f32::INFINITY].iter().flat_map(|v| v.to_le_bytes()));
         assert_eq!(fs::read(&path).unwrap(), expected);

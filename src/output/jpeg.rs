@@ -74,7 +74,7 @@ impl Batch {
     }
 }
 
-/// Inserts a segment into a JPEG file, behind the JFIF segment at its start.
+/// Inserts a segment into a JPEG file, after the JFIF segment at its start.
 fn with_segment(jpeg: &[u8], marker: u8, content: &[u8]) -> Vec<u8> {
     let place = first_segment_end(jpeg);
     let length = (content.len() as u16 + 2).to_be_bytes();

@@ -122,13 +122,13 @@ mod tests {
     use crate::srgb::encode;
     use crate::{MISS, PixelSource, ShadowSource, Statistics, StereoCamera, glam::Vec3};
 
-    /// The inverse of [`encode`], in f64 and with the standard's own constants.
+    /// Inverts [`encode`], in f64 and with the standard's own constants.
     pub(super) fn decode(byte: u8) -> f64 {
         let encoded = f64::from(byte) / 255.0;
         if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
     }
 
-    /// Creates a view with these colours, `width` per row; all other data is that of sky.
+    /// Creates a view with these colours, `width` per row. All other data is the data of sky pixels.
     pub(super) fn view(width: u32, colors: &[[u8; 3]]) -> View {
         View {
             width,

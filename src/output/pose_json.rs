@@ -82,8 +82,8 @@ fn length(value: f32) -> Value {
 
 fn eye(pose: &Pose, &Intrinsics { fx, fy, cx0, cx1, cy }: &Intrinsics, side: f64) -> Value {
     let to_camera = world_to_camera(pose, side);
-    // The axes are orthonormal only up to rounding, so the inverse is that of the written matrix. glam's columns hold
-    // our rows, for input and output.
+    // The axes are orthonormal only up to rounding, so the inverse is computed from the written matrix. glam's columns
+    // hold our rows, for input and output.
     let to_world = DMat4::from_cols_array_2d(&to_camera).inverse();
     json!({
         "fx": fx,

@@ -11,7 +11,7 @@ use crate::{Error, EyeTruth, MISS, Occlusion};
 /// Number of sample values per pixel of disparity.
 const KITTI_STEPS: f64 = 256.0;
 
-/// The largest id that fits 16 bits, since ids are stored plus 1 and 0 means a miss.
+/// Largest id that fits 16 bits, since ids are stored plus 1 and 0 means a miss.
 const LARGEST_ID: u32 = u16::MAX as u32 - 1;
 
 impl Batch {
@@ -20,9 +20,9 @@ impl Batch {
     /// `disp_occ` and [`EyeTruth::surfaces_of_both`] for `disp_noc`. As in KITTI, sky is not valid.
     ///
     /// # Errors
-    /// [`Error::Io`], naming the pixel, for a valid disparity that the format can't hold. Such disparities are 256 or
-    /// more, zero or negative. With off-axis cameras, points on the screen and behind it have disparities of zero or
-    /// less. [`Error::Io`] also for lists that are not `width * height` long, and as [`Batch::add`].
+    /// [`Error::Io`], naming the pixel, for a valid disparity that the format can't hold: one of 256 or more, zero or
+    /// negative. With off-axis cameras, points on the screen and behind it have disparities of zero or less.
+    /// [`Error::Io`] also for lists that are not `width * height` long, and as [`Batch::add`].
     pub fn add_kitti_disparity(
         &mut self,
         path: impl AsRef<Path>,

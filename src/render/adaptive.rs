@@ -1,6 +1,7 @@
-//! Frames of adaptive samples. The first level is a lattice of samples in the corners of pixels. On finer lattices only
-//! the samples that divided cells lack are traced (`src/sampling/cells.rs`). Each level is a frame of a larger picture
-//! with a mask, so methods and kernels need to know nothing else. Strips of pixel rows go through all levels in turn.
+//! Frames of adaptive samples. The first level is a lattice of samples at the corners of pixels. On finer lattices,
+//! only the missing samples of divided cells are traced (`src/sampling/cells.rs`). Each level is a frame of a larger
+//! picture with a mask, so methods and kernels need no special case. Strips of pixel rows go through all levels in
+//! turn.
 
 use std::ops::{ControlFlow, Range};
 
@@ -28,7 +29,7 @@ struct Levels<'a> {
     eyes: &'a Eyes,
     options: &'a Options,
     adaptive: Adaptive,
-    /// The eyes at each level, with one pixel per sample of that level.
+    /// Eyes at each level, with one pixel per sample of that level.
     lattices: Vec<Eyes>,
 }
 
@@ -55,7 +56,7 @@ impl Renderer {
         options.check()?;
         let levels = Levels::new(scene, eyes, options)?;
         // Keeps buffers for each level's size, and for the last strip, which may be shorter. They are dropped
-        // afterwards, also if the frame ends early.
+        // afterwards, even if the frame ends early.
         self.cache.keep(2 * levels.lattices.len());
         let done = self.strips(&levels, pictures, progress, on_rows).await;
         self.cache.keep(1);

@@ -1,4 +1,4 @@
-//! A frame asked for by a builder: what it shows, how it is rendered, and where its pictures go.
+//! Builder for a frame: its cameras, its options, and the destination of its pictures.
 
 use std::ops::ControlFlow;
 
@@ -9,9 +9,10 @@ use crate::{
     view::rig::Eyes,
 };
 
-/// A frame that is not rendered yet ([`Renderer::pair`], [`Renderer::views`]). `C` is what it shows: a [`StereoCamera`]
-/// for a pair, a [`Rig`] for any number of views. One of its last methods renders it: [`FrameBuilder::read`] returns
-/// the pictures, [`FrameBuilder::rows`] streams them, [`FrameBuilder::encode`] leaves them on the device.
+/// A frame that is not rendered yet ([`Renderer::pair`], [`Renderer::views`]). `C` is the type of its cameras: a
+/// [`StereoCamera`] for a pair, a [`Rig`] for any number of views. One of its last methods renders it:
+/// [`FrameBuilder::read`] returns the pictures, [`FrameBuilder::rows`] streams them, [`FrameBuilder::encode`] leaves
+/// them on the device.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -50,9 +51,9 @@ impl<C: std::fmt::Debug> std::fmt::Debug for FrameBuilder<'_, C> {
 }
 
 impl Renderer {
-    /// Asks for a stereo pair. [`FrameBuilder::read`] and [`FrameBuilder::trace`] trace toed-in eyes
-    /// ([`Convergence::ToeIn`](crate::Convergence::ToeIn)) one after the other by [`Method::Naive`], whatever the
-    /// method. A warning says so once per renderer. The other methods refuse toed-in eyes.
+    /// Starts a stereo pair. [`FrameBuilder::read`] and [`FrameBuilder::trace`] trace toed-in eyes
+    /// ([`Convergence::ToeIn`](crate::Convergence::ToeIn)) one after the other by [`Method::Naive`], for any method. A
+    /// warning says so once per renderer. The other methods refuse toed-in eyes.
     pub fn pair<'a>(
         &'a mut self,
         scene: &'a UploadedScene,
@@ -61,7 +62,7 @@ impl Renderer {
         FrameBuilder { renderer: self, scene, cameras: camera, options: Options::default(), progress: Box::new(go_on) }
     }
 
-    /// Asks for the views of a rig.
+    /// Starts a frame of a rig's views.
     pub fn views<'a>(&'a mut self, scene: &'a UploadedScene, rig: &'a Rig) -> FrameBuilder<'a, Rig> {
         FrameBuilder { renderer: self, scene, cameras: rig, options: Options::default(), progress: Box::new(go_on) }
     }
@@ -153,10 +154,10 @@ impl FrameBuilder<'_, Rig> {
     /// # Ok::<(), stereotrace::Error>(())
     /// ```
     ///
-    /// # Errors
-    /// [`Error::Camera`] for an invalid camera, [`Error::Rig`] for a rig that can't be rendered, [`Error::Samples`] for
-    /// an unsupported number of samples, [`Error::Limit`] for a picture that the adapter can't bind,
-    /// [`Error::Cancelled`] if the progress callback breaks, [`Error::ForeignScene`] for a scene on another
+    /// [`Error::Camera`] for an invalid camera; [`Error::Rig`] for a rig that can't be rendered; [`Error::Samples`] for
+    /// an unsupported number of samples; [`Error::Limit`] for a picture that the adapter can't bind;
+    /// [`Error::Cancelled`] if the progress callback breaks; [`Error::ForeignScene`] for a scene on another
+    /// [`Gpu`](crate::Gpu); [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     /// [`Gpu`](crate::Gpu), [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn read(self) -> Result<Views, Error> {
         let Self { renderer, scene, cameras, options, mut progress } = self;
@@ -225,7 +226,7 @@ impl Renderer {
     }
 }
 
-/// Does not stop a frame.
+/// Progress callback that never stops a frame.
 fn go_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }

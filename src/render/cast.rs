@@ -1,4 +1,4 @@
-//! Traces rays of the caller through an uploaded scene.
+//! Traces the caller's rays through an uploaded scene.
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ use crate::{
 
 pub(crate) const CLOSEST_HITS: Kernel = kernel!("rays", "closest_hits", Role::RayList(Dispatches::One));
 pub(crate) const ANY_HITS: Kernel = kernel!("rays", "any_hits", Role::RayList(Dispatches::One));
-/// Kernel variants that trace in steps: a ray that is unfinished continues in the next dispatch.
+/// Kernel variants that trace in steps: an unfinished ray continues in the next dispatch.
 pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel =
     Kernel { name: "closest_hits_in_steps", role: Role::RayList(Dispatches::Many), ..CLOSEST_HITS };
 pub(crate) const ANY_HITS_IN_STEPS: Kernel =
@@ -25,11 +25,11 @@ pub(crate) const ANY_HITS_IN_STEPS: Kernel =
 
 /// Maximum number of rays per dispatch. At two texels per ray, a batch stays far below all texture and binding limits.
 pub(crate) const BATCH: usize = (MAX_WORKGROUPS * LIST_WORKGROUP) as usize;
-/// Maximum number of distinct ray origins that are tested against large primitives. A batch with more origins counts as
-/// close to one.
+/// Maximum number of distinct ray origins that are tested against large primitives. A batch with more origins is
+/// assumed to be close to one.
 const MANY_ORIGINS: usize = 64;
 
-/// A ray of the caller: the points `origin + t * direction` with `t_min <= t <= t_max`.
+/// A ray given by the caller: the points `origin + t * direction` with `t_min <= t <= t_max`.
 ///
 /// ```
 /// use stereotrace::{Ray, glam::Vec3};
@@ -156,7 +156,7 @@ struct List<'a> {
     frame: wgpu::Buffer,
     found: wgpu::Buffer,
     counters: wgpu::Buffer,
-    /// Resources that the kernel binds: the buffers above, the rays, and those of the scene.
+    /// Resources that the kernel binds: the buffers above, the rays, and the scene's resources.
     resources: Resources,
     /// The packed rays, in texels.
     _rays: Texels,

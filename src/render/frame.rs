@@ -24,14 +24,14 @@ use crate::{
     view::rig::Eyes,
 };
 
-/// How a frame was made, and what it cost.
+/// Result of a frame: how its views were made, and their cost.
 pub(crate) struct Done {
     pub(crate) eyes: Eyes,
     /// The requested method, or its replacement.
     pub(super) method: Method,
     /// Cost counters, one per view.
     pub(crate) tallies: Vec<Tally>,
-    /// Choice of `Auto` for each view.
+    /// Choice of `Auto` for each view, if any.
     pub(crate) choices: Vec<Option<Choice>>,
     pub(crate) in_steps: bool,
     pub(crate) buffer_depth: u32,

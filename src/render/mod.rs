@@ -1,4 +1,4 @@
-//! Renders scenes: the renderer, scenes on a device, frames, samples, rays of the caller, and results.
+//! Renders scenes: the renderer, scenes on a device, frames, samples, the caller's rays, and results.
 
 mod adaptive;
 mod builder;

@@ -13,7 +13,8 @@ pub struct Statistics {
     /// Reason for the choice of [`Method::Auto`]; `None` with other methods.
     pub choice: Option<Choice>,
     /// Whether threads spread their work over several dispatches. If an adapter ends a kernel's loops early, the frame
-    /// is rendered again in this way, by [`Method::Naive`]. It takes longer and shows the same.
+    /// is rendered again in this way, by [`Method::Naive`]. It takes longer but gives the same pictures as
+    /// [`Method::Naive`] in one dispatch.
     pub in_steps: bool,
     /// Work of the left view.
     pub left: Work,
@@ -25,7 +26,7 @@ pub struct Statistics {
     pub bad: u64,
     /// Right pixels that were traced because no left sample landed there.
     pub missed: u64,
-    /// `Buffer` only: candidates that met a taken slot, each of which loses one candidate (DESIGN, section 2).
+    /// `Buffer` only: number of collisions in a slot, each of which loses one candidate (DESIGN, section 2).
     pub lost_candidates: u64,
     /// `Buffer` only: slots per right pixel.
     pub buffer_depth: u32,
@@ -40,7 +41,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Returns the share of right pixels that were traced, 0 to 1. With `Naive` that is 1, less the pixels found by a
+    /// Returns the share of right pixels that were traced, 0 to 1. With `Naive` it is 1, less the pixels found by a
     /// [T-buffer](crate::Visibility::TBuffer).
     pub fn retraced_share(&self) -> f64 {
         let traced = self.right.rays.primary;
@@ -73,8 +74,9 @@ pub struct StereoPair {
 }
 
 impl StereoPair {
-    /// Returns the re-trace map as a picture, as in Adelson & Hodges 1993: green = reused, red = bad, traced again,
-    /// grey = traced without reuse. Missed pixels are yellow; the paper leaves them red too. sRGB, row-major.
+    /// Returns the re-trace map as a picture, as in Adelson & Hodges 1993: green = reused, red = bad and traced again,
+    /// grey = traced without reuse. Missed pixels are yellow; the paper shows them in red too. The result is sRGB,
+    /// row-major.
     pub fn retrace_map(&self) -> Vec<[u8; 4]> {
         let color = |source: &PixelSource| match source {
             PixelSource::Reused => [0, 128, 0, 255],
@@ -85,8 +87,8 @@ impl StereoPair {
         self.source.iter().map(color).collect()
     }
 
-    /// Returns a picture of how `bracket` got shadows: green = reused from the left view, red = traced. sRGB,
-    /// row-major; empty by other methods.
+    /// Returns a picture of the source of shadows in `bracket`: green = reused from the left view, red = traced. The
+    /// result is sRGB, row-major; it is empty with other methods.
     pub fn shadow_map(&self) -> Vec<[u8; 4]> {
         let color = |source: &ShadowSource| match source {
             ShadowSource::Taken => [0, 128, 0, 255],

@@ -1,4 +1,4 @@
-//! Shadow-buffers on the device. They are filled by drawing primitives if none is kept, and then kept with the uploaded
+//! Shadow-buffers on the device. Missing tables are filled by drawing primitives. Tables are kept with the uploaded
 //! scene (`docs/SHADOW-BUFFER.md`).
 
 #[cfg_attr(not(any(test, feature = "testing")), allow(unreachable_pub, reason = "the twins export it"))]
@@ -25,7 +25,7 @@ use crate::{
 };
 use mapping::Mapping;
 
-// The T-buffer's kernels, specialised to test primitives at the middles of texels.
+// The T-buffer's kernels, specialised to test primitives at texel centres.
 pub(crate) const PROJECT_MIDDLES: Kernel =
     Kernel { name: "project_middles", role: Role::Draw(Canvas::Middles), ..PROJECT_PRIMITIVES };
 pub(crate) const DRAW_FEW_MIDDLES: Kernel =
@@ -35,7 +35,7 @@ pub(crate) const DRAW_MORE_MIDDLES: Kernel =
 pub(crate) const DRAW_PARTS_MIDDLES: Kernel =
     Kernel { name: "draw_parts_middles", role: Role::Draw(Canvas::Middles), ..DRAW_PARTS };
 pub(crate) const READ_MIDDLES: Kernel = kernel!("shadow_buffer", "read_middles", Role::Draw(Canvas::Middles));
-// The T-buffer's kernels, specialised to mark texels in which a primitive may lie in front of the shown surface.
+// The T-buffer's kernels, specialised to mark texels in which a primitive may lie in front of the texel's surface.
 pub(crate) const PROJECT_TEXELS: Kernel =
     Kernel { name: "project_texels", role: Role::Draw(Canvas::Texels), ..PROJECT_PRIMITIVES };
 pub(crate) const MARK_FEW_TEXELS: Kernel =
@@ -51,17 +51,16 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 const HYBRID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// Slot value of a texel without known content (`shaders/shared/shadow_buffer.wgsl`).
 const UNFILLED: u32 = 0xffff_fffe;
-/// Number of words that describe a table's directions, in the row behind the table, and the number of columns they
-/// need.
+/// Number of words that describe a table's directions, in the row after the table, and the number of columns they need.
 const HEAD: usize = 12;
 const LEAST_COLUMNS: u32 = 6;
-/// Maximum number of texels per submission. Each submission projects all primitives. A texel takes 24 bytes while it is
-/// drawn.
+/// Maximum number of texels per submission. Each submission projects all primitives. While a texel is drawn, it takes
+/// 24 bytes.
 const BAND: u32 = 1 << 21;
 /// Number of bytes per write when a layer is filled with one word.
 const PIECE: usize = 1 << 22;
 
-/// The tables of all lights on a device, one layer each.
+/// Shadow-buffer tables of all lights on a device, one layer each.
 #[derive(Debug)]
 pub(crate) struct Tables {
     texture: Texture,
@@ -93,11 +92,11 @@ struct Filling<'a> {
     texels: Option<wgpu::Buffer>,
     drawing: wgpu::Buffer,
     indirect: wgpu::Buffer,
-    /// Resources that the kernels bind: the buffers above, and those of the scene.
+    /// Resources that the kernels bind: the buffers above and the scene's resources.
     resources: Resources,
 }
 
-/// A texture that is freed when dropped, like `Texels`.
+/// A texture whose memory is freed when it is dropped, like `Texels`.
 #[derive(Debug)]
 struct Texture(wgpu::Texture);
 
@@ -131,7 +130,7 @@ impl UploadedScene {
 
     fn layers(&self, buffer: &ShadowBuffer) -> Vec<Layer> {
         let mapping = |light| match (buffer.rule, self.bounds) {
-            // Planes extend in all directions, and the paper's table covers all of them.
+            // Planes extend in all directions, and so does the paper's table.
             (ShadowRule::Depth { .. } | ShadowRule::Hybrid { .. }, Some(bounds)) if self.variant.planes == 0 => {
                 Mapping::around(light, bounds, buffer.rows)
             }
@@ -327,8 +326,8 @@ impl Drop for Filling<'_> {
 }
 
 impl Texture {
-    /// Makes a texture of zeros. They are written here: wgpu would clear it at its first use, and after a clear Mesa's
-    /// software driver takes every timestamp too early.
+    /// Creates a texture filled with zeros. The zeros are written explicitly: otherwise wgpu would clear the texture at
+    /// its first use. After such a clear, Mesa's software driver takes every timestamp too early.
     fn new(gpu: &Gpu, format: wgpu::TextureFormat, size: wgpu::Extent3d) -> Self {
         use wgpu::TextureUsages as Usages;
 
@@ -347,7 +346,7 @@ impl Texture {
         texture
     }
 
-    /// Returns the bytes of a texel.
+    /// Returns the size of a texel in bytes.
     fn texel(&self) -> u32 {
         self.0.format().block_copy_size(None).expect("no depth")
     }
@@ -401,7 +400,7 @@ impl Texture {
         encoder.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer: filled, layout }, to, size);
     }
 
-    /// Writes the words that describe a table's directions to the row behind it (`directions_of` of
+    /// Writes the words that describe a table's directions to the row after the table (`directions_of` in
     /// `shaders/shared/shadow_buffer.wgsl`).
     fn write_head(&self, gpu: &Gpu, layer: u32, mapping: &Mapping) {
         let Mapping { axes: [x, _, z], theta, phi, rows, columns } = *mapping;
@@ -414,7 +413,7 @@ impl Texture {
 }
 
 impl Tables {
-    /// Makes tables without a filled layer.
+    /// Creates tables without a filled layer.
     fn new(gpu: &Gpu, format: wgpu::TextureFormat, size: wgpu::Extent3d) -> Self {
         let texture = Texture::new(gpu, format, size);
         let view = texture.0.create_view(&wgpu::TextureViewDescriptor {
@@ -444,7 +443,7 @@ impl Tables {
         }
         let (width, height) = (columns.max(LEAST_COLUMNS), buffer.rows + 1);
         let size = wgpu::Extent3d { width, height, depth_or_array_layers: lights as u32 };
-        // Textures have no limit of their own. A table may not exceed the limit of buffers.
+        // Textures have no size limit in bytes, so tables must not exceed the limit of buffers.
         let (bytes, allowed) = (Self::bytes(format_of(buffer), size), gpu.limits.max_buffer_size);
         if bytes > allowed {
             let mib = |bytes: u64| format!("{} MiB", bytes.div_ceil(1 << 20));

@@ -30,7 +30,7 @@ impl Tally {
         let landed = pixels - counts.missed;
         let (primary, verification, reused) = match made {
             Made::Traced | Made::Chosen => (pixels, 0, 0),
-            // In a band drawn by T-buffer, the counters only give the number of pixels that were traced nevertheless.
+            // In a band drawn by T-buffer, `missed` counts the pixels that were traced nevertheless.
             Made::Drawn => (counts.missed, 0, 0),
             Made::Copied => (0, 0, pixels),
             Made::Marked { checked } => {
@@ -50,8 +50,8 @@ impl Tally {
         self.pixels += pixels;
     }
 
-    /// Returns the choice of `Auto` that applied to most pixels of a view. The model's prediction is that for the whole
-    /// view.
+    /// Returns the choice of `Auto` that applied to most pixels of a view. The model's prediction in the result is for
+    /// the whole view.
     pub(crate) fn choice(&self, source: &Self, model: CostModel, pose: &Pose) -> Choice {
         let Rays { shadow: shadow_rays, secondary: secondary_rays, .. } = source.work.rays;
         let (own_shadow_rays, gap_pixels) = (source.own_shadow_rays, self.gaps);

@@ -54,7 +54,7 @@ fn bands_change_nothing_but_the_number_of_dispatches() {
     let camera = builtin.camera(130, 271);
     let mut renderer = renderer(USUAL);
     let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
-    // Counting traces one ray a lane; the tiles' search should run as it ships.
+    // Counting kernels trace one ray per lane. The search of tiles is also tested without counting.
     let shipped = [Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS];
     let all = Method::ALL.iter().copied().chain(["buffer-edges".parse().unwrap(), "buffer-3".parse().unwrap()]);
     let counted = all.map(|method| Options::new(method).count(true).cost_map(true).linear(true));
@@ -91,8 +91,7 @@ fn every_traversal_gives_the_same_pair() {
             let mut renderer = Renderer::with_traversal(renderer(USUAL).gpu, traversal);
             let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
             let mut pair = renderer.pair(&uploaded, &camera).read().wait().unwrap();
-            // Which of several occluders is kept depends on the traversal, and so does the number of rays that it
-            // saves.
+            // The traversal determines which of several occluders is kept, and thus how many rays it saves.
             pair.statistics = Statistics::default();
             pair
         }));
@@ -113,7 +112,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let mut renderer = renderer(64 * 16);
     let scene = renderer.upload(&Scene::new()).wait().unwrap();
     let run = async {
-        // The depths are given, in place of the step that traces the source.
+        // The source depths are given, so the step that traces the source is removed.
         let views = methods::Views { sources: &eyes.sources, mirrors: false, soft: None, wide: false, drawn: false };
         let mut plan = methods::plan(method, &views);
         let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
@@ -148,7 +147,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
         let counters: Vec<u32> = renderer.gpu.read(targets.get(Resource::Counters, 1), rows).await?;
         let lost = counters.iter().skip(layout::LOST_CANDIDATES).step_by(layout::COUNTERS).map(|&n| u64::from(n)).sum();
         let target: Vec<layout::Pixel> = renderer.gpu.read(targets.get(Resource::View, 1), depths.len()).await?;
-        // Missed pixels have been marked since.
+        // Missed pixels were marked after reprojection.
         let empty = |mark| if mark == layout::MISSED { 0 } else { mark };
         Ok::<_, Error>((target.into_iter().map(|pixel| empty(pixel.marks)).collect(), lost))
     };
@@ -200,7 +199,7 @@ fn samples_land_where_the_closed_form_says_ties_included() {
     // e_px = 8 and d = 4: parallax 8 (1 - 4/z).
     let eyes = eyes([40, 1], 8.0);
     let land = |column: usize, z: f32| {
-        let mut depths = vec![1e-9; 40]; // so near that all others leave the picture
+        let mut depths = vec![1e-9; 40]; // so near that all other samples leave the picture
         depths[column] = z;
         let source = reproject(&eyes, &depths, TRUSTING).0;
         source.iter().position(|&source| source == column as u32 + 1)
@@ -221,7 +220,7 @@ fn samples_land_where_the_closed_form_says_ties_included() {
 
 #[test]
 fn samples_of_parallel_cameras_move_left_by_f_e_over_z() {
-    // f = 32 and e = 1: parallax -32/z.
+    // f = 32 and e = 1 give a parallax of -32/z.
     let eyes = parallel([40, 1], 1.0);
     let land = |column: usize, z: f32| {
         let mut depths = vec![1e-9; 40];
@@ -247,13 +246,14 @@ fn samples_of_parallel_cameras_move_left_by_f_e_over_z() {
 
 #[test]
 fn twice_e_is_one_slot_short_at_half_the_screen_s_distance() {
-    // Lemma 1 with equality: B = e d (1/(d/2) - 0) = 2e. Columns 2e apart meet, in the same slot i mod 2e.
+    // Lemma 1 with equality: B = e d (1/(d/2) - 0) = 2e. Columns 2e apart meet in the same slot, i mod 2e.
     let eyes = eyes([40, 1], 8.0);
     let mut depths = vec![1e-9; 40];
     (depths[10], depths[26]) = (crate::FAR, 2.0);
     let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::TwiceInteraxial));
     assert_eq!((source[18], lost), (27, 1), "the nearer one stands, the other is lost");
-    // (Samples that leave the picture do not matter to Lemma 1; here they would make the buffer 40 deep.)
+    // The adaptive depth would be 40, since the depth range includes samples that leave the picture. So the depth is
+    // fixed here.
     let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::Fixed(NonZeroU32::new(18).unwrap())));
     assert_eq!((source[18], lost), (27, 0), "floor(B) + 2 slots hold both");
 }
@@ -267,7 +267,7 @@ fn renderer_and_scene_may_cross_threads() {
     check::<Error>();
 }
 
-/// Renders a frame with masks: half of the left view's pixels, all of the right view's.
+/// Renders a frame with masks: half of the left view's pixels and all of the right view's pixels.
 fn part_of(renderer: &mut Renderer, scene: &UploadedScene, eyes: &Eyes, method: Method) -> Vec<Rows> {
     let [width, height] = eyes.pose.size;
     let rows = (10, height - 3);
@@ -292,7 +292,7 @@ fn part_of(renderer: &mut Renderer, scene: &UploadedScene, eyes: &Eyes, method: 
     found
 }
 
-/// Half of a frame's samples are left over from another frame.
+/// Here, half of the samples in the buffers are left over from another frame.
 #[test]
 fn what_was_not_wanted_vouches_for_nothing() {
     let builtin = crate::scene::builtin::Builtin::Hall;
@@ -325,7 +325,7 @@ fn what_was_not_wanted_vouches_for_nothing() {
     }
 }
 
-/// Tangents of a circle all around, from the geometry in f64: for a left and a right eye, what each pixel's ray hits.
+/// Compares the hits of a panoramic camera with geometry in f64. The rays of each eye are tangents of a circle.
 #[test]
 fn another_camera_is_a_section_of_wgsl_and_a_file() {
     use crate::testing::cpu::intersect::closest_hit;
@@ -350,7 +350,7 @@ fn another_camera_is_a_section_of_wgsl_and_a_file() {
     assert_eq!(done.method_of(1), Method::Naive);
     for (rows, side) in views.iter().zip([-0.5, 0.5]) {
         let (mut seen, mut wrong) = (0, 0);
-        // The twin tries every triangle of the closed hall: every eleventh pixel is enough.
+        // The CPU reference tests every triangle of the closed hall, so only every eleventh pixel is compared.
         for (index, (&depth, &primitive)) in rows.view.depth.iter().zip(&rows.view.primitive).enumerate().step_by(11) {
             let [column, row] = [index as u32 % width, index as u32 / width].map(|place| f64::from(place) + 0.5);
             let (azimuth, elevation) = (column / f64::from(width) * TAU - PI, (0.5 - row / f64::from(height)) * PI);

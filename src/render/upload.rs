@@ -70,8 +70,8 @@ pub enum Update {
     /// moved. If no primitive changed, only lights, materials and sky are uploaded.
     ///
     /// The scene must have as many triangles, spheres, ellipsoids and planes as when the tree was built. A primitive
-    /// that was degenerate or an exact copy then must not be traced now. (A list, [`BvhBuild::Flat`], is always built
-    /// anew.)
+    /// that was degenerate or an exact copy then must not be traced now. (A list, [`BvhBuild::Flat`], is always
+    /// rebuilt.)
     Refit,
     /// Builds a new tree.
     Rebuild(BvhBuild),
@@ -101,7 +101,7 @@ impl UploadedScene {
         self.info
     }
 
-    /// Returns whether rays from these points, or from the lights, need the t of large primitives more exactly.
+    /// Returns whether rays from these points, or from the lights, need a more exact t for large primitives.
     pub(crate) fn close_to(&self, eyes: &[Vec3]) -> bool {
         let shadows = if self.variant.shadows == Shadows::None { &[] } else { self.lights.as_slice() };
         let close = self.large.any_close_to(eyes) || self.large.any_close_to(shadows);
@@ -109,7 +109,7 @@ impl UploadedScene {
         close
     }
 
-    /// Adds the resources of its tree and its shading.
+    /// Adds the resources of the scene's tree and shading table.
     pub(crate) fn resources(&self, all: &mut Resources) {
         let [geometry, table] = &self.texels;
         all.set(Resource::Bvh, &self.bvh);
@@ -151,8 +151,8 @@ impl UploadedScene {
         Ok(self.object_table.get().expect("set above"))
     }
 
-    /// Adds the importance sampling weights to a sky map when its light is first used. They go to words of its texels
-    /// that nothing else reads.
+    /// Adds the importance sampling weights to a sky map when its light is first used. They are stored in words of its
+    /// texels that nothing else reads.
     pub(crate) async fn weigh_sky(&self) -> Result<(), Error> {
         let Some((first, texels)) = self.pictures.sky_to_weigh() else { return Ok(()) };
         self.gpu.fill_from(&self.texels[1], first, texels).await?;
@@ -182,7 +182,7 @@ impl UploadedScene {
         (best.method == Method::Naive).then_some(best)
     }
 
-    /// Returns whether the uploaded primitives are those of this scene or of a clone.
+    /// Returns whether the uploaded primitives equal the primitives of this scene, which may be a clone.
     pub(crate) fn is_of(&self, scene: &Scene) -> bool {
         self.shape.is_of(scene)
     }
@@ -211,8 +211,8 @@ impl Renderer {
     /// the scene's distance from the origin exceeds a ten-thousandth of its longest side.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene too large for the adapter,
-    /// with the number of primitives that fit, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    /// [`Error::Scene`] for a value that can't be rendered; [`Error::Limit`] for a scene too large for the adapter,
+    /// with the number of primitives that fit; [`Error::OutOfMemory`] and [`Error::DeviceLost`].
     pub async fn upload_with(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
         self.check(scene)?;
         let started = Instant::now();
@@ -222,13 +222,13 @@ impl Renderer {
 
     /// Updates an uploaded scene to its current state. Primitives may have moved ([`Scene::transform_object`],
     /// [`Scene::set_mesh`], [`Scene::set_sphere`], [`Scene::set_ellipsoid`], [`Scene::set_plane`]) or been added, and
-    /// lighting may have changed. Device memory is reused if it is large enough. The picture equals that of a new
-    /// upload. After an update fails for lack of memory, or its future is dropped before the
-    /// end, the scene must be uploaded again.
+    /// lighting may have changed. Device memory is reused if it is large enough. The picture equals the picture after a
+    /// new upload. If an update fails for lack of memory, or its future is dropped before the end, the scene must be
+    /// uploaded again.
     ///
-    /// The errors of [`Renderer::upload`]. [`Error::ForeignScene`] if the scene is on another [`Gpu`].
-    /// Those of [`Renderer::upload`]; [`Error::ForeignScene`] if the scene is on another [`Gpu`];
-    /// [`Error::Scene`] if [`Update::Refit`] can't keep the tree.
+    /// # Errors
+    /// The errors of [`Renderer::upload`]; [`Error::ForeignScene`] if the scene is on another [`Gpu`]; [`Error::Scene`]
+    /// if [`Update::Refit`] can't keep the tree.
     pub async fn update(&self, uploaded: &mut UploadedScene, scene: &Scene, how: Update) -> Result<(), Error> {
         uploaded.belongs_to(&self.gpu)?;
         self.check(scene)?;
@@ -263,7 +263,7 @@ impl Renderer {
     fn check(&self, scene: &Scene) -> Result<(), Error> {
         scene.check()?;
         if let Some(warning) = scene.rounding_warning() {
-            self.rounding_warned.call_once(|| log::warn!("{warning}")); // a film uploads a scene for each picture
+            self.rounding_warned.call_once(|| log::warn!("{warning}")); // an animation uploads a scene per frame
         }
         Ok(())
     }
@@ -359,7 +359,7 @@ impl Renderer {
     }
 }
 
-/// Builds a tree, and the data of it that a refit needs.
+/// Builds a tree, and collects the data that a refit of the tree needs.
 fn built(scene: &Scene, build: BvhBuild, traversal: Traversal) -> Result<(PackedBvh, TreeShape), Error> {
     let packed = bvh::build(scene, build, traversal.boxes)?;
     let shape = TreeShape::of(scene, &packed);
@@ -375,7 +375,7 @@ fn point_lights(scene: &Scene) -> Vec<(u32, Vec3)> {
     points.map(|(place, light)| (place, scene.local_position(light))).collect()
 }
 
-/// Returns the wanted fetch, or the other one if only that can hold the scene.
+/// Returns the wanted fetch if it can hold the scene, else the other one if that can.
 fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &PackedBvh) -> Result<Fetch, Error> {
     let other = match wanted {
         Fetch::Texture => Fetch::Buffer,

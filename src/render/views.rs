@@ -44,7 +44,7 @@ pub struct RigView {
     pub offset: f32,
     /// Index of the view's source; its own index if it was traced.
     pub made_from: usize,
-    /// The method that made it.
+    /// Method that made the view.
     pub method: Method,
     /// Reason for the choice of [`Method::Auto`]; `None` with other methods.
     pub choice: Option<Choice>,

@@ -1,7 +1,7 @@
-//! Adaptive samples of some rows of a view: which cells are divided, and the colours of pixels (Whitted 1980; Adelson &
-//! Hodges 1993, "Reflection and Refraction with Multiple Rays Per Pixel").
+//! Adaptive sampling of some rows of a view: decides which cells are divided, and computes the colours of pixels
+//! (Whitted 1980; Adelson & Hodges 1993, "Reflection and Refraction with Multiple Rays Per Pixel").
 //!
-//! Samples of level l stand on a lattice with spacing 2^-l pixels, from the picture's top left corner to its right and
+//! Samples of level l lie on a lattice with spacing 2^-l pixels, from the picture's top left corner to its right and
 //! lower borders. A cell of level 0 is a pixel with a sample in each corner, shared with its neighbours. A cell whose
 //! corners differ is divided into four cells of the next level.
 
@@ -14,7 +14,7 @@ pub(crate) struct Cells {
     levels: Vec<Level>,
 }
 
-/// The samples of a level. Samples that were not wanted are not marked; callers know them.
+/// The samples of a level. Samples that were not requested carry no mark; callers know which are valid.
 #[derive(Default)]
 struct Level {
     linear: Vec<[f32; 3]>,
@@ -25,8 +25,8 @@ struct Level {
     divided: Vec<bool>,
 }
 
-/// A surface has nearly the same depth at neighbouring samples of both views. A depth below this share of it belongs to
-/// another surface in front.
+/// A surface has nearly the same depth at neighbouring samples of both views. A depth below this share of the surface's
+/// depth belongs to another surface in front.
 const HIDDEN: f32 = 0.98;
 
 impl Cells {
@@ -94,8 +94,8 @@ impl Cells {
         cells.map(|at| self.is_there(level, at) && self.differs(level, at, tolerance)).collect()
     }
 
-    /// Marks the cells of another view that show the points of this view's differing cells, and so may differ too, as
-    /// divided.
+    /// Marks cells of another view as divided if they show the points of this view's differing cells, since they may
+    /// differ too.
     pub(crate) fn seen_by(
         &self,
         other: &Self,
@@ -127,7 +127,7 @@ impl Cells {
         }
     }
 
-    /// Divides cells of a level.
+    /// Divides the marked cells of a level, if they exist.
     pub(crate) fn divide(&mut self, level: u32, mut divided: Vec<bool>) {
         let across = self.cells(level)[0];
         for (place, divided) in divided.iter_mut().enumerate() {
@@ -136,8 +136,9 @@ impl Cells {
         self.levels[level as usize].divided = divided;
     }
 
-    /// Returns the samples of a level that divided cells of the level before want, in picture rows from `first` on.
-    /// Each cell wants five new samples; with `again`, its four corners as well.
+    /// Returns a mask of the samples of a level that the divided cells of the previous level need. Its rows begin at
+    /// row `first` of the picture's lattice. Each divided cell needs five new samples; with `again`, its four corners
+    /// too.
     pub(crate) fn wanted(&self, level: u32, first: u32, again: bool) -> Mask {
         let [samples_across, samples_down] = self.samples(level);
         let mut mask = Mask::new(samples_across, first..first + samples_down);
@@ -170,8 +171,8 @@ impl Cells {
         (0..self.size[0]).map(move |column| self.color(0, [column, row]).map(|value| value as f32))
     }
 
-    /// Returns the cost of each pixel's samples, row by row. Samples on a border count for the pixel right of and below
-    /// it. Empty if samples have no costs.
+    /// Returns the cost of each pixel's samples, row by row. Samples on a border count for the pixel to its right or
+    /// below it. The list is empty if samples have no costs.
     pub(crate) fn costs(&self) -> Vec<u32> {
         let mut costs = Vec::new();
         for (level, samples) in (0..).zip(&self.levels) {
@@ -224,7 +225,7 @@ mod tests {
         cells
     }
 
-    /// Whitted's recursion, without lattices.
+    /// Computes the value of a cell by Whitted's recursion, without lattices.
     fn by_recursion(color: &impl Fn([f64; 2]) -> f64, [x, y]: [f64; 2], side: f64, level: u32, tolerance: f64) -> f64 {
         let corners = [[x, y], [x + side, y], [x, y + side], [x + side, y + side]];
         let values = corners.map(|at| f64::from(color(at) as f32));
@@ -284,7 +285,7 @@ mod tests {
             found.iter().enumerate().filter(|(_, found)| **found).map(|(at, _)| at).collect::<Vec<_>>(),
             [5, 13]
         );
-        // Hidden by a nearer surface.
+        // A nearer surface now hides the edge.
         right.levels[0].depth.iter_mut().for_each(|depth| *depth = 1.9);
         let mut hidden = vec![false; 16];
         left.seen_by(&right, 0, &left.differing(0, 0.0), between, &mut hidden);

@@ -15,13 +15,13 @@ pub(crate) struct Gather {
     /// Size of the picture in pixels.
     size: [u32; 2],
     filter: Filter,
-    /// Whether linear colour is kept too.
+    /// Whether linear colour is output too.
     linear: bool,
-    /// Factor of displayed light.
+    /// Factor by which displayed light is multiplied.
     exposure: f32,
     tone: Tone,
     jitter: Jitter,
-    /// Windows of the columns of pixels, for rows of samples of each stratum.
+    /// Windows of the pixel columns, one list for each stratum of sample rows.
     columns: Vec<Vec<Window>>,
     /// A row of samples, filtered along the row.
     across: Vec<[f64; 3]>,
@@ -54,7 +54,8 @@ struct Sums {
 
 impl Gather {
     /// Creates the filter of a picture of this size in pixels. `centres` holds the data at pixel centres from the top
-    /// down. Without it they are taken from the middle samples, or from those right of and below the middle.
+    /// down. Without it, the data are taken from each pixel's middle sample. For an even `side` that is the sample to
+    /// the right of and below the middle.
     pub(crate) fn new(size: [u32; 2], side: u32, options: &Options, centres: Option<Centres>) -> Self {
         let jitter = Jitter::of(options);
         let columns_of = |stratum: u32| {
@@ -91,7 +92,7 @@ impl Gather {
             for (view, samples) in samples.views.iter().enumerate() {
                 self.add_row(sample, view, &samples.view, row);
             }
-            // Usually one row is complete, but several at the picture's last row of samples.
+            // Usually one row is complete. At the picture's last row of samples several rows are.
             while self.begun.front().is_some_and(|begun| begun.window.end() == sample + 1) {
                 done.extend(self.begun.pop_front());
                 self.first += 1;
@@ -126,7 +127,8 @@ impl Gather {
             }
         }
         for begun in &mut self.begun {
-            // All begun rows contain this one, since they leave when their last row was added.
+            // The windows of all begun rows contain this row of samples. A begun row leaves the queue once its last
+            // samples were added.
             let weight = begun.window.weights[(sample - begun.window.first) as usize];
             for (color, sum) in begun.views[view].colors.iter_mut().zip(&self.across) {
                 (0..3).for_each(|channel| color[channel] += weight * sum[channel]);

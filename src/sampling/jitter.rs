@@ -6,18 +6,19 @@ use crate::{Options, kernel::layout, random::pcg};
 /// The offsets of a picture's rows of samples, the same in all views.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Jitter {
-    /// Side of a pixel's sample grid; 1 for no jitter.
+    /// Side of a pixel's sample grid, in samples; 1 without jitter.
     side: u32,
     seed: u32,
 }
 
 impl Jitter {
-    /// Creates the jitter of `side` samples a side, with a seed.
+    /// Creates the jitter for `side` x `side` samples per pixel, with a seed.
     pub(crate) fn new(side: u32, seed: u32) -> Self {
         Self { side, seed }
     }
 
-    /// Returns the jitter that the options ask for; none for invalid numbers of samples, which are refused elsewhere.
+    /// Returns the jitter that the options request. Invalid numbers of samples give no jitter; they are rejected
+    /// elsewhere.
     pub(crate) fn of(options: &Options) -> Self {
         let side = if options.jitter { crate::ask::samples::side_of(options.samples).unwrap_or(1) } else { 1 };
         Self::new(side, options.seed)
@@ -28,7 +29,8 @@ impl Jitter {
         self.side
     }
 
-    /// Returns the uniform of eyes for jittered samples. Tile searches are wider, to include their rays.
+    /// Returns the eyes' uniform for jittered samples. Its guard band is wider, so that tile searches include the
+    /// samples' rays.
     pub(crate) fn beside(&self, eyes: layout::Eyes) -> layout::Eyes {
         layout::Eyes { wider: eyes.wider + self.reach(), ..eyes }
     }
@@ -43,8 +45,8 @@ impl Jitter {
         0.5 - 0.5 / self.side as f32
     }
 
-    /// Returns the stratum of a row's samples within their cells' width: the rank of the row's hash among those of its
-    /// pixel's rows.
+    /// Returns the stratum of a row's samples within their cells' width. It is the rank of the row's hash among the
+    /// hashes of the pixel's rows.
     pub(crate) fn stratum(&self, row: u32) -> u32 {
         let (first, own) = (row / self.side * self.side, (self.hash(row), row));
         (first..first + self.side).filter(|&other| (self.hash(other), other) < own).count() as u32

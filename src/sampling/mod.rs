@@ -22,10 +22,10 @@ impl Eyes {
     }
 
     /// Returns the same eyes with one pixel per sample of a lattice of `side` samples per pixel side. Its first and
-    /// last samples stand on the picture's borders, so the screen is one sample larger.
+    /// last samples lie on the picture's borders, so the screen is one sample larger.
     ///
     /// # Errors
-    /// As [`Eyes::with_samples`].
+    /// Returns the errors of [`Eyes::with_samples`].
     pub(crate) fn with_lattice(&self, side: u32) -> Result<Self, Error> {
         let Pose { size, screen_size, mut frustum, .. } = self.pose;
         let samples = size.map(|pixels| pixels * side);
@@ -66,13 +66,13 @@ struct Window {
 }
 
 impl Window {
-    /// Creates the window of pixel `pixel` of `pixels`, with `side` samples each. Samples stand `aside` cell widths
-    /// beside their cells' centres.
+    /// Creates the window of pixel `pixel` of `pixels`, with `side` samples each. Samples lie `aside` cell widths to
+    /// the right of their cells' centres.
     fn new(filter: Filter, side: u32, [pixel, pixels]: [u32; 2], aside: f32) -> Self {
-        // In units of samples: sample s stands at s + 0.5 + aside.
+        // Positions are in units of samples: sample s lies at s + 0.5 + aside.
         let (centre, reach) = ((f64::from(pixel) + 0.5) * f64::from(side), filter.radius() * f64::from(side));
         let away = |sample: u32| f64::from(sample) + 0.5 + f64::from(aside) - centre;
-        // (One more cell on either side, since jittered samples stay in their cells.)
+        // The range extends by one more cell on either side, since jittered samples stay in their cells.
         let nearest = (centre - reach - 1.0).floor().max(0.0) as u32;
         let farthest = ((centre + reach + 1.0).ceil() as u32).min(pixels * side);
         let within = |sample: &u32| away(*sample).abs() < reach;
@@ -105,7 +105,7 @@ mod tests {
         for (filter, own) in [(Filter::Box, 1), (Filter::Tent, 2), (Filter::Gauss, 3)] {
             for side in 1..=MAX_SIDE {
                 let Window { first, weights } = window(filter, side, 5, 11);
-                // Outermost tent samples have no weight if they stand exactly a pixel away.
+                // The tent's outermost samples have no weight if they lie exactly one pixel away.
                 let none = u32::from(filter == Filter::Tent && side % 2 == 1);
                 assert_eq!(weights.len() as u32, own * side - none, "{filter} {side}");
                 let mean: f64 = (first..).zip(&weights).map(|(s, weight)| (f64::from(s) + 0.5) * weight).sum();

@@ -60,8 +60,8 @@ fn replace<T: Copy>(
 }
 
 impl Scene {
-    /// Returns texture coordinates at the corners of each triangle, zero for triangles without. The list is empty if no
-    /// mesh has any.
+    /// Returns the texture coordinates at the corners of each triangle; they are zero for triangles without any. The
+    /// list is empty if no mesh has texture coordinates.
     pub fn uv(&self) -> &[[Vec2; 3]] {
         &self.beside.uv
     }
@@ -82,8 +82,8 @@ impl Scene {
         self.textures().get(cutout.0 as usize)
     }
 
-    /// Returns colours at the corners of each triangle that multiply its albedo, linear RGB, white for triangles
-    /// without. The list is empty if no mesh has any.
+    /// Returns the colours at the corners of each triangle, linear RGB. They multiply its albedo, and are white for
+    /// triangles without any. The list is empty if no mesh has colours.
     pub fn colors(&self) -> &[[Vec3; 3]] {
         &self.beside.colors
     }
@@ -95,7 +95,7 @@ mod tests {
 
     use super::*;
 
-    /// Makes triangles whose numbers are their texture coordinates and colours, if requested.
+    /// Makes triangles with texture coordinates and colours, if requested. Each triangle's values equal its number.
     fn strip(numbers: &[f32], uv: bool, colors: bool) -> Mesh {
         let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
         let mut mesh = Mesh::new(corners, vec![[0, 1, 2]; numbers.len()]);

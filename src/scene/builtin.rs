@@ -25,7 +25,7 @@ use self::{
 use super::{Light, Material, MaterialId, Scene};
 use crate::{Error, StereoCamera};
 
-/// Interaxial as a share of the picture's width: the thesis's 15 pixels of 600.
+/// Interaxial as a share of the picture's width: 15 pixels of 600, as in the thesis.
 pub(crate) const INTERAXIAL_SHARE: f32 = 15.0 / 600.0;
 
 /// Seed of the random scenes.
@@ -119,7 +119,7 @@ impl Builtin {
         }
     }
 
-    /// Builds the scene. It is the same each time.
+    /// Builds the scene. Each call gives the same scene.
     pub fn scene(self) -> Scene {
         match self {
             Self::Spheres => spheres(),

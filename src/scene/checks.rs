@@ -10,15 +10,15 @@ use super::{
 };
 use crate::{Error, message::counted};
 
-/// Largest f32 step, as a share of a scene's longest side, without a warning: half a pixel if the side is 5000 pixels
-/// long. DESIGN, section 2, has the measurements.
+/// Largest f32 step that gives no warning, as a share of a scene's longest side. It is half a pixel if the side is 5000
+/// pixels long. DESIGN, section 2, has the measurements.
 const COARSE_STEP: f32 = 1e-4;
 
 /// Valid ranges of [`Material`] values.
 pub(crate) const OPACITIES: RangeInclusive<f32> = 0.0..=1.0;
 pub(crate) const EXPONENTS: RangeInclusive<f32> = 0.0..=10_000.0;
 pub(crate) const INDICES: RangeInclusive<f32> = 0.1..=10.0;
-/// Largest share of light that a material may return, with the rounding of two shares.
+/// Largest share of light that a material may return, with a tolerance for the rounding of two shares.
 const MOST_RETURNED: f32 = 1.0 + 1e-5;
 
 impl Scene {

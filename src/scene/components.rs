@@ -7,9 +7,9 @@ use glam::Vec3;
 
 use super::Scene;
 
-/// Returns the connected component of each primitive, as its least primitive id. Triangles are connected if corners
-/// have equal positions, whatever the file's own vertices and groups. Every sphere, ellipsoid and plane is a component
-/// of its own.
+/// Returns the connected component of each primitive, as its smallest primitive id. Triangles are connected if corners
+/// have equal positions; the file's own vertices and groups do not matter. Every sphere, ellipsoid and plane is a
+/// component of its own.
 pub(crate) fn of(scene: &Scene) -> Vec<u32> {
     let triangles = scene.triangles();
     let mut above: Vec<u32> = (0..scene.primitive_count() as u32).collect();
@@ -60,7 +60,7 @@ mod tests {
         add([far, [9.0, 9.0, 8.0], [9.0, 8.0, 8.0]]);
         add([o, x, y]);
         add([[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
-        add([z, [1.0, 1.0, 1.0], [-0.0, 1.0, 0.0]]); // shares y, with another zero
+        add([z, [1.0, 1.0, 1.0], [-0.0, 1.0, 0.0]]); // shares y, although its x is -0
         add([z, [5.0, 1.0, 0.0], [2.0, 2.0, 2.0]]); // joins 2 to 3, and so to 1
         add([o, o, far]); // degenerate: joins nothing
         for _ in 0..2 {

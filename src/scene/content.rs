@@ -7,9 +7,9 @@ use bytemuck::cast_slice;
 use super::{Beside, Scene, Sky, TextureKind, mesh::Object};
 
 impl Scene {
-    /// Passes everything that pictures depend on to `sink`, as bytes in pieces. Equal scenes produce equal bytes,
-    /// whatever files they came from. Different scenes produce different bytes. So a hash tells whether two pictures or
-    /// data set items show the same scene. The bytes may change between versions of the library.
+    /// Passes everything that pictures depend on to `sink`, as bytes in pieces. Equal scenes produce equal bytes, even
+    /// if they come from different files. Different scenes produce different bytes. So a hash tells whether two
+    /// pictures or data set items show the same scene. The bytes may change between versions of the library.
     ///
     /// ```
     /// use std::hash::{DefaultHasher, Hasher};

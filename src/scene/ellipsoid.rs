@@ -41,7 +41,7 @@ impl Ellipsoid {
         Self { center, axes, material }
     }
 
-    /// Makes an ellipsoid whose semi-axes are parallel to the world's axes, with lengths `radii`.
+    /// Makes an ellipsoid whose semi-axes are parallel to the world's axes and have the lengths `radii`.
     pub fn aligned(center: Vec3, radii: Vec3, material: MaterialId) -> Self {
         Self::new(center, Mat3::from_diagonal(radii), material)
     }
@@ -95,9 +95,9 @@ impl Ellipsoid {
 /// Number of rotation sweeps. Convergence is quadratic, so few are needed.
 const SWEEPS: usize = 10;
 
-/// Map from an offset to an ellipsoid's centre to an offset to a sphere's centre. The matrix has three rows, each along
-/// a semi-axis, and the sphere's radius is the longest semi-axis. Perpendicular rows keep the rounding of one semi-axis
-/// from the others. A sphere's matrix is the identity, so it is intersected as a sphere to the last bit.
+/// Map of offsets from an ellipsoid's centre to offsets from a sphere's centre. The matrix has three rows, each along a
+/// semi-axis, and the sphere's radius is the longest semi-axis. Perpendicular rows keep the rounding of one semi-axis
+/// out of the others. A sphere's matrix is the identity, so the intersection is bit-identical to a sphere's.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToSphere {
     pub(crate) rows: [Vec3; 3],
@@ -176,7 +176,8 @@ mod tests {
         Ellipsoid::new(random.point(1.0), turn * Mat3::from_diagonal(radii), MaterialId(0))
     }
 
-    /// Tests ten thousand ellipsoids with random axes. The mapped surface is that of the columns, and the box is tight.
+    /// Tests ten thousand ellipsoids with random axes: the columns' surface is mapped to a sphere, and the box is
+    /// tight.
     #[test]
     fn the_map_takes_the_surface_to_a_sphere_and_the_box_touches_it() {
         let mut random = Random::new(5);
@@ -198,7 +199,7 @@ mod tests {
                 worst[0] = worst[0].max((mapped.length() / f64::from(map.radius) - 1.0).abs());
                 assert!(point.abs().cmple(half * (1.0 + 1e-6)).all());
             }
-            // The closed form of the box has the norms of the matrix's rows.
+            // The closed form of the box is the norms of the matrix's rows.
             let norms = DVec3::from_array([0, 1, 2].map(|axis| axes.as_dmat3().row(axis).length()));
             worst[1] = worst[1].max((half / norms - 1.0).abs().max_element());
             let [a, b, c] = map.rows.map(Vec3::as_dvec3);

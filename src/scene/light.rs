@@ -34,7 +34,7 @@ pub struct Light {
     pub shape: LightShape,
 }
 
-/// Shape of a light. Lights are invisible themselves. All but points are sampled by
+/// Shape of a light. Lights are invisible themselves. All shapes except points are sampled by
 /// [`Options::shadow_rays`](crate::Options::shadow_rays) rays to places spread over them, so their shadows have a
 /// penumbra.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -58,7 +58,8 @@ pub enum LightShape {
     },
     /// A disc at infinity, such as the sun.
     Directional {
-        /// Angle from the disc's centre to its rim in radians, 0 to 1.5; the sun's is 0.0047. With 0 shadows are sharp.
+        /// Angle from the disc's centre to its rim in radians, 0 to 1.5; the sun's is 0.0047. A radius of 0 gives sharp
+        /// shadows.
         radius: f32,
     },
 }

@@ -8,23 +8,23 @@ use crate::{Error, StereoCamera};
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 /// Largest longest side of a scene, in screen distances, for which the bounding box describes the eyes' surroundings.
 const FAR_REACHING: f32 = 50.0;
-/// Position of a light on the way from the eye to the first obstacle.
+/// Position of a light that something hides from the eye, as a share of the distance to the obstacle.
 const BEFORE_OBSTACLE: f32 = 0.9;
 
 impl Scene {
-    /// Replaces `lights` by `count` lights, by one rule for every method and scene file (DESIGN, section 3). Light `k`
-    /// stands beside and above the eyes, at `eye + ρ (r cos θ + u |sin θ|)`. θ is k times the golden angle, and
-    /// `ρ = d (0.25 + 0.5 (k + 0.5) / count)`. `d` is the screen's distance, or the target's if the screen is at
+    /// Replaces `lights` by `count` lights, with the same rule for every method and scene file (DESIGN, section 3).
+    /// Light `k` is beside and above the eyes, at `eye + ρ (r cos θ + u |sin θ|)`. θ is k times the golden angle,
+    /// and `ρ = d (0.25 + 0.5 (k + 0.5) / count)`. `d` is the screen's distance, or the target's if the screen is at
     /// infinity.
     ///
-    /// If the eyes are inside the scene's bounding box, the light is moved into that box shrunk by a tenth. So it does
-    /// not end up behind a wall. If `ambient` is `None` it becomes 0.15. The lights add up to 0.85, so with an ambient
-    /// light of 0.15 white does not saturate.
+    /// If the eyes are inside the scene's bounding box, the light is moved into the box shrunk by a tenth. So it is not
+    /// behind a wall. If `ambient` is `None` it becomes 0.15. The lights add up to 0.85, so with an ambient light of
+    /// 0.15 white does not saturate.
     ///
     /// A box with a side over 50 `d` does not describe the walls around the eyes, for example in a scene with a wide
-    /// ground. In such a box, a light keeps its place beside the eyes. So does a light inside a sphere or an ellipsoid
-    /// that the eyes are outside of, and a light behind a plane. If something stands between, the light moves to nine
-    /// tenths of the way to it.
+    /// ground. In such a box a light keeps its place beside the eyes. If an obstacle is between the eyes and the light,
+    /// the light moves to nine tenths of the way to it. The same applies to a light inside a sphere or an ellipsoid
+    /// that the eyes are outside of, and to a light behind a plane.
     ///
     /// # Errors
     /// [`Error::Camera`] if the camera is invalid, [`Error::Scene`] for more than [`MAX_LIGHTS`](super::MAX_LIGHTS).
@@ -103,7 +103,7 @@ impl Scene {
         all.filter(|t| *t >= 0.0).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns a scene of the primitives that may stand between the eyes and a light.
+    /// Returns a scene of the primitives that may be between the eyes and a light.
     fn within_reach(&self, eye: Vec3, distance: f32) -> Self {
         let (low, high) = (eye - distance, eye + distance);
         let meets = |from: Vec3, to: Vec3| from.cmple(high).all() && to.cmpge(low).all();

@@ -31,8 +31,8 @@ pub enum Finish {
         index: f32,
         /// Share of the light that is transmitted, linear RGB, 0 to 1. MTL's `Tf`.
         transmission: Vec3,
-        /// Whether the view angle splits light into a reflected share, from [`Material::specular`], and a transmitted
-        /// rest (`illum` 7). Otherwise all light is transmitted, except in total reflection.
+        /// Whether the view angle splits light into a reflected share, from [`Material::specular`], and the transmitted
+        /// remainder (`illum` 7). Otherwise all light is transmitted, except in total reflection.
         fresnel: bool,
     },
 }
@@ -68,7 +68,7 @@ pub struct Material {
     pub exponent: f32,
     /// Whether highlights conserve energy, see [`Material::normalised`]. MTL's highlights don't.
     pub normalised: bool,
-    /// Emitted radiance, linear RGB. It lights nothing else. MTL's `Ke`.
+    /// Emitted radiance, linear RGB. It does not light other surfaces. MTL's `Ke`.
     pub emission: Vec3,
     /// Reflection and refraction. MTL's `illum`.
     pub finish: Finish,
@@ -170,7 +170,7 @@ impl Material {
         self.normalised && self.specular != Vec3::ZERO
     }
 
-    /// Returns whether rays continue at it: a mirror, glass, or a surface with an opacity below 1.
+    /// Returns whether hits on the material send further rays: a mirror, glass, or a surface with an opacity below 1.
     pub(crate) fn sends_rays(&self) -> bool {
         self.finish != Finish::Matte || self.opacity < 1.0
     }
@@ -194,8 +194,8 @@ impl Material {
         if self.most_returned().max_element() <= 1.0 {
             return false;
         }
-        // The transmitted share is t of what is not reflected. Scaling everything by k gives k (a + r + t) - k² r t =
-        // 1.
+        // The transmitted share is t of the light that is not reflected.
+        // Scaling everything by k gives k (a + r + t) - k² r t = 1.
         let passed = match self.finish {
             Finish::Glass { transmission, fresnel: false, .. } => transmission,
             _ => Vec3::ZERO,

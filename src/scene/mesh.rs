@@ -14,8 +14,8 @@ use crate::{
     message::{counted, tidy},
 };
 
-/// Indexed triangles that form one object. It can't be written as `Mesh { .. }`, since fields may be added: begin with
-/// [`Mesh::new`], and set the rest by methods of the fields' names.
+/// Indexed triangles that form one object. It can't be written as `Mesh { .. }`, since fields may be added. Begin with
+/// [`Mesh::new`], and set the other fields by the methods with their names.
 ///
 /// ```
 /// use stereotrace::{Material, Mesh, Scene, glam::Vec3};
@@ -48,8 +48,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Makes flat triangles without a name, in the scene's grey. `positions` are relative to [`Scene::origin`];
-    /// `triangles` are indices into them.
+    /// Makes flat triangles without a name, in the scene's grey material. `positions` are relative to
+    /// [`Scene::origin`]; `triangles` are indices into them.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         Self { positions, triangles, materials: vec![MaterialId::default()], ..Self::default() }
     }

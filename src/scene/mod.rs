@@ -116,8 +116,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Whether lights cast shadows.
     pub shadows: bool,
-    /// Light that reaches every surface from everywhere, linear RGB. `None`, the default, stands for 1 without lights
-    /// and 0.15 with lights; see [`Scene::rendered_ambient`]. Frames lit by the sky have no ambient light.
+    /// Light that reaches every surface from everywhere, linear RGB. `None`, the default, means 1 without lights and
+    /// 0.15 with lights; see [`Scene::rendered_ambient`]. Frames lit by the sky have no ambient light.
     pub ambient: Option<Vec3>,
     /// Light along rays that hit nothing. It lights surfaces if [`Options::sky_rays`](crate::Options::sky_rays) is set.
     pub sky: Sky,
@@ -136,8 +136,8 @@ pub struct Scene {
     pub(crate) dropped: usize,
     /// Number of meshes with a warning about degenerate triangles.
     dropping_meshes: usize,
-    /// Renewed whenever triangles change. Scenes with equal stamps have equal primitives. `spheres_stamp` does the same
-    /// for spheres, ellipsoids and planes.
+    /// Stamp that changes whenever triangles change. Scenes with equal stamps have equal primitives. `spheres_stamp`
+    /// does the same for spheres, ellipsoids and planes.
     pub(crate) triangles_stamp: Stamp,
     pub(crate) spheres_stamp: Stamp,
 }
@@ -179,7 +179,7 @@ impl Scene {
         MaterialId(self.materials.len() as u32 - 1)
     }
 
-    /// Adds a sphere as an object of its own.
+    /// Adds a sphere as a separate object.
     ///
     /// # Errors
     /// [`Error::Scene`] for a centre or radius that is not finite or too large, a radius that is not above 0, or an
@@ -191,8 +191,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Returns the ambient light that is rendered: [`Scene::ambient`] if it is set, else 1 without lights and 0.15 with
-    /// lights.
+    /// Returns the ambient light that is rendered: [`Scene::ambient`] if it is set. Otherwise it is 1 without lights
+    /// and 0.15 with lights.
     pub fn rendered_ambient(&self) -> Vec3 {
         self.ambient.unwrap_or(if self.lights.is_empty() { Vec3::ONE } else { Vec3::splat(DEFAULT_AMBIENT) })
     }
@@ -232,7 +232,7 @@ impl Scene {
         self.local_bounds().map(|(low, high)| (self.origin + low.as_dvec3(), self.origin + high.as_dvec3()))
     }
 
-    /// Does the same as [`Scene::bounds`], relative to the origin.
+    /// Returns [`Scene::bounds`] relative to the origin.
     pub(crate) fn local_bounds(&self) -> Option<(Vec3, Vec3)> {
         let triangles = self.triangles.iter().filter(|t| !t.is_degenerate()).flat_map(|t| t.corners);
         let spheres = self.spheres.iter().flat_map(|s| [s.center - s.radius, s.center + s.radius]);
@@ -248,8 +248,8 @@ impl Scene {
         self.triangles.len() + self.ball_count() + self.planes.len()
     }
 
-    /// Returns about how many bytes the scene takes: its primitives, and the pixels of its textures and sky. Clones
-    /// share the pixels.
+    /// Returns the approximate size of the scene in bytes: its primitives, and the pixels of its textures and sky.
+    /// Clones share the pixels.
     pub fn memory(&self) -> usize {
         let lists = size_of_val(&*self.triangles)
             + size_of_val(&*self.beside.uv)
@@ -289,7 +289,7 @@ impl Scene {
         self.dropped
     }
 
-    /// Returns all triangles, degenerate ones too; the index is the primitive id.
+    /// Returns all triangles, including degenerate ones; the index is the primitive id.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{Error, message::counted};
 
-/// Largest relative deviation of a transform's axes from equal length and right angles, for which spheres stay spheres.
+/// Largest relative deviation of a transform's axes from equal length and right angles for which spheres stay spheres.
 const ROUND: f64 = 1e-5;
 
 /// A number that is unique in this process.
@@ -47,8 +47,8 @@ impl Scene {
     /// # Errors
     /// [`Error::Scene`] for an unknown object, and if a coordinate becomes infinite, not a number or larger than
     /// [`MAX_COORDINATE`](super::MAX_COORDINATE). Spheres must not be scaled to nothing, scaled unequally or sheared;
-    /// add an ellipsoid for that. Ellipsoids have the errors of [`Scene::add_ellipsoid`], planes those of
-    /// [`Scene::add_plane`]. The scene is unchanged then.
+    /// add an ellipsoid for that. Ellipsoids have the errors of [`Scene::add_ellipsoid`], and planes the errors of
+    /// [`Scene::add_plane`]. After an error the scene is unchanged.
     pub fn transform_object(&mut self, object: u32, transform: &Affine3A) -> Result<(), Error> {
         match self.place_of(object)? {
             Place::Sphere(index) => {
@@ -86,8 +86,8 @@ impl Scene {
     /// The scene must then be updated by [`Update::Rebuild`](crate::Update).
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_mesh`], and if the object is unknown or not a mesh. The scene is unchanged
-    /// then.
+    /// [`Error::Scene`] for the errors of [`Scene::add_mesh`], and if the object is unknown or not a mesh. After an
+    /// error the scene is unchanged.
     pub fn set_mesh(&mut self, object: u32, mesh: &Mesh) -> Result<(), Error> {
         let range = match self.place_of(object)? {
             Place::Triangles(range) => range,
@@ -107,8 +107,8 @@ impl Scene {
     /// Replaces a sphere, as the same object. Object indices count meshes, then spheres, then ellipsoids.
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_sphere`], and if the object is unknown or not a sphere. The scene is unchanged
-    /// then.
+    /// [`Error::Scene`] for the errors of [`Scene::add_sphere`], and if the object is unknown or not a sphere. After an
+    /// error the scene is unchanged.
     pub fn set_sphere(&mut self, object: u32, sphere: Sphere) -> Result<(), Error> {
         let index = match self.place_of(object)? {
             Place::Sphere(index) => index,
@@ -123,8 +123,8 @@ impl Scene {
     /// Replaces an ellipsoid, as the same object.
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_ellipsoid`], and if the object is unknown or not an ellipsoid. The scene is
-    /// unchanged then.
+    /// [`Error::Scene`] for the errors of [`Scene::add_ellipsoid`], and if the object is unknown or not an ellipsoid.
+    /// After an error the scene is unchanged.
     pub fn set_ellipsoid(&mut self, object: u32, ellipsoid: Ellipsoid) -> Result<(), Error> {
         let index = match self.place_of(object)? {
             Place::Ellipsoid(index) => index,
@@ -139,8 +139,8 @@ impl Scene {
     /// Replaces a plane, as the same object. Planes have the last object indices.
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_plane`], and if the object is unknown or not a plane. The scene is unchanged
-    /// then.
+    /// [`Error::Scene`] for the errors of [`Scene::add_plane`], and if the object is unknown or not a plane. After an
+    /// error the scene is unchanged.
     pub fn set_plane(&mut self, object: u32, plane: Plane) -> Result<(), Error> {
         let index = match self.place_of(object)? {
             Place::Plane(index) => index,
@@ -232,7 +232,7 @@ fn scale_of(transform: &Affine3A) -> Result<f64, String> {
     Err(format!("scaled by {x}, {y} and {z} along its axes{shear}; a sphere needs the same factor on all axes"))
 }
 
-/// Transforms a normal by the cofactors, which are the transposed inverse up to a factor. They also exist if the
+/// Transforms a normal by the cofactors, which are the transposed inverse up to a factor. They exist even if the
 /// inverse does not.
 fn transformed_normal(normal: Vec3, transform: &Affine3A) -> Vec3 {
     let [x, y, z] = axes(transform);

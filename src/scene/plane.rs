@@ -10,18 +10,18 @@ use crate::Error;
 /// Maximum number of planes in a scene. Every ray tests all of them.
 pub const MAX_PLANES: usize = 8;
 
-/// Largest distance from a ray's origin at which it hits a plane, in world units; beyond it the sky is seen. So hits
-/// seen from within [`MAX_COORDINATE`](super::MAX_COORDINATE) lie where eyes may stand.
+/// Largest distance from a ray's origin at which it hits a plane, in world units; beyond it the sky is visible. So hits
+/// seen from within [`MAX_COORDINATE`](super::MAX_COORDINATE) are valid positions of eyes.
 pub const PLANE_REACH: f32 = 1e8;
 
 /// Range of a plane's tile sides, in world units.
 const TILES: RangeInclusive<f32> = 1e-6..=1e8;
 /// A plane whose unit normal has less than this height is a wall.
 const UPRIGHT: f64 = 0.5;
-/// Smallest share of a vector's length that is not considered rounding.
+/// Smallest share of a vector's length that does not count as rounding.
 const NOTHING: f64 = 1e-6;
 
-/// An infinite plane. It has two sides, as triangles have, and does not count for a scene's bounds. A plane of glass
+/// An infinite plane. It has two sides, like a triangle, and does not count for a scene's bounds. A plane of glass
 /// bounds a half-space of glass, on the side opposite to its normal. A ray that begins exactly in the plane does not
 /// hit it, so an eye there sees both sides.
 ///
@@ -46,7 +46,7 @@ pub struct Plane {
     /// Normal, of any length but 0. Kernels use the unit normal rounded to f32, which displaces the plane by up to 1e-7
     /// of the distance from `point`.
     pub normal: Vec3,
-    /// Direction of a texture's right, of any length but 0. Only its part in the plane counts.
+    /// Direction of a texture's right. It may have any length but 0, and only its part in the plane counts.
     pub u_axis: Vec3,
     /// Side of the square that a texture fills, in world units, 1e-6 to 1e8.
     pub tile: f32,
@@ -58,8 +58,8 @@ impl Plane {
     /// Makes a plane through `point`, relative to [`Scene::origin`], with a normal of any length but 0. A texture fills
     /// squares with sides of one unit.
     ///
-    /// On grounds of up to 60 degrees the texture's right is +x. On level grounds seen from above its top is at -z. On
-    /// walls, seen from the side of the normal, its right and top are the viewer's.
+    /// On grounds with slopes up to 60 degrees the texture's right is +x. On level grounds seen from above its top is
+    /// at -z. On walls, seen from the side of the normal, its right and top are the viewer's right and top.
     pub fn new(point: Vec3, normal: Vec3, material: MaterialId) -> Self {
         let unit = normal.as_dvec3().normalize_or_zero();
         let is_wall = unit.y.abs() <= UPRIGHT;

@@ -1,4 +1,4 @@
-//! Scenes in serde formats. Reading checks them as the setters do.
+//! Scenes in serde formats. Reading performs the same checks as the setters.
 
 use std::borrow::Cow;
 

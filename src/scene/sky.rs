@@ -53,7 +53,7 @@ impl SkyMap {
         Ok(Self { width, height, pixels: Arc::new(pixels) })
     }
 
-    /// Returns whether both are clones of one map.
+    /// Returns whether both maps are clones of one map.
     pub(crate) fn shares_pixels(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.pixels, &other.pixels) && (self.width, self.height) == (other.width, other.height)
     }
@@ -75,7 +75,7 @@ impl SkyMap {
                 return Vec3::new(0.16, 0.14, 0.11).lerp(Vec3::new(0.3, 0.3, 0.3), (1.0 + 6.0 * d.y).max(0.0));
             }
             let clear = Vec3::new(0.62, 0.72, 0.85).lerp(Vec3::new(0.12, 0.27, 0.6), d.y.sqrt());
-            // The ray's hit on a cloud layer; distant streaks fade into haze.
+            // The ray hits a cloud layer here; distant streaks fade into haze.
             let (x, z) = (d.x / (d.y + 0.15), d.z / (d.y + 0.15));
             let streaks =
                 (2.1 * x + (1.3 * z).sin()).sin() * (1.7 * z + (0.9 * x).cos()).sin() + 0.4 * (5.3 * x - 4.1 * z).sin();

@@ -46,8 +46,9 @@ pub(crate) fn unit(normal: Vec3) -> Vec3 {
     normal.as_dvec3().normalize_or_zero().as_vec3()
 }
 
-/// Returns three normals per triangle, zeros for flat ones, or none if all are flat. `groups` has smoothing groups of
-/// the first triangles. Triangles of different groups never share a fan, and those of group 0 are flat.
+/// Returns three normals per triangle, zeros for flat triangles, or an empty list if all are flat. `groups` has
+/// smoothing groups of the first triangles. Triangles of different groups never share a fan, and triangles of group 0
+/// are flat.
 pub(crate) fn smooth_normals(
     positions: &[Vec3],
     triangles: &[[u32; 3]],
@@ -76,7 +77,8 @@ pub(crate) fn smooth_normals(
             let face = faces[triangle as usize];
             let first = fans.first_of(place);
             let mean = fans.sums[first].normalize_or_zero().as_vec3();
-            // In a fan that turns by more than a right angle, a mean normal on the triangle's back would show it unlit.
+            // In a fan that turns by more than a right angle, a mean normal on the triangle's back would make it appear
+            // unlit.
             normals[triangle as usize][corner as usize] = if mean.dot(face) > 0.0 { mean } else { face };
         }
     }
@@ -92,7 +94,7 @@ pub(crate) fn smooth_normals(
 
 /// Returns a vertex number for each position. Equal positions have the same number.
 fn weld(positions: &[Vec3]) -> Vec<u32> {
-    // Adding zero turns -0 into 0. Sorting avoids hashes, since round numbers share low zero bits, which hash alike.
+    // Adding zero turns -0 into 0. Sorting avoids hashes: round numbers share low zero bits, which would collide.
     let bits = |at: u32| (positions[at as usize] + 0.0).to_array().map(f32::to_bits);
     let mut order: Vec<([u32; 3], u32)> = (0..positions.len() as u32).map(|at| (bits(at), at)).collect();
     order.sort_unstable();
@@ -113,8 +115,8 @@ fn face_normal(corners: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
-/// Returns the start of each vertex's corners in a list, and this list of corners (triangle, corner of it). Only
-/// triangles that `wanted` accepts are included.
+/// Returns the start of each vertex's corners in a list, and this list of corners, each as a triangle and its corner.
+/// Only triangles that `wanted` accepts are included.
 fn corners_around(
     vertices: &[u32],
     triangles: &[[u32; 3]],

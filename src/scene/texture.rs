@@ -45,7 +45,7 @@ pub enum TextureKind {
     Checkerboard {
         /// Colour of the square at u = v = 0, and the other colour, linear RGB.
         colors: [Vec3; 2],
-        /// Number of squares along u and along v, from 0 to 1.
+        /// Number of squares between 0 and 1, along u and along v.
         squares: u32,
     },
 }

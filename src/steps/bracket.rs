@@ -1,4 +1,5 @@
-//! Passes 2 and 3 of `bracket`: the tiles' bounds, their search, and the pixels that it leaves (docs/BRACKET.md).
+//! Passes 2 and 3 of `bracket`: they bound and search tiles, and trace the pixels that the search leaves unresolved
+//! (docs/BRACKET.md).
 
 use super::{
     resolve::{SHADE_TRACED, TRACE_LISTED},
@@ -15,7 +16,7 @@ pub(crate) const BOUND_TILES: Kernel = kernel!("bracket", "bound_tiles", Role::P
 /// Marks busy lights, if visibility bits are reused.
 pub(crate) const MARK_BUSY: Kernel = kernel!("bracket", "mark_busy", Role::MarkBusy);
 pub(crate) const SEARCH_TILES: Kernel = kernel!("bracket", "search_tiles", Role::Hits(Hits::Tiles));
-/// Searches four tiles at once, for several samples a pixel.
+/// Searches four tiles at once, for several samples per pixel.
 pub(crate) const SEARCH_WIDE_TILES: Kernel = kernel!("bracket", "search_wide_tiles", Role::Hits(Hits::Tiles));
 pub(crate) const RESOLVE_TILES: Kernel = kernel!("bracket", "resolve_tiles", Role::Hits(Hits::Tiles));
 pub(crate) const SHADE_SKY: Kernel = kernel!("bracket", "shade_sky", Role::Shade(Shading::Sky));
@@ -35,8 +36,8 @@ pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {
     steps
 }
 
-/// Returns the steps that find primary visibility, by tiles and rays, and shade the hits. Unknown bits take shadow
-/// rays.
+/// Returns the steps that find primary visibility, by tiles and rays, and shade the hits. Shadow rays determine unknown
+/// visibility bits.
 pub(crate) fn resolve(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
     let launch = if wide { Launch::WideTiles } else { Launch::Tiles };
     [vec![Step::EmptyLists, step(search(wide), view, launch)], resolve_listed(view, soft)].concat()
@@ -58,8 +59,8 @@ fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
     steps
 }
 
-/// Returns the steps that either do the same or trace the whole view, whichever is predicted to cost less in each band.
-/// Steps of the other choice launch nothing, or their lists are empty.
+/// Returns the steps of [`bound`] and [`resolve`], and the steps that trace the whole view. Each band runs the choice
+/// that is predicted to cost less. Steps of the other choice launch nothing, or their lists are empty.
 pub(crate) fn or_traced(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
     let choose = vec![Step::EmptyLists, step(&CHOOSE, view, Launch::Once)];
     let search = vec![step(search(wide), view, Launch::Listed(Lists, TO_SEARCH))];

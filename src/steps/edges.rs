@@ -1,4 +1,5 @@
-//! Verification without rays: marks edges of the source view, to be traced (thesis, 6.2).
+//! Verification without rays (thesis, 6.2): pixels whose sample lies at an edge in the source view are marked, and
+//! traced later.
 
 use super::step;
 use crate::{

@@ -1,5 +1,6 @@
-//! Steps after a view's last one, in scenes with mirrors, glass or veils: they trace the rays that such pixels send on.
-//! First hits may be reused from another view, but these rays belong to each eye.
+//! Steps after a view's last step, in scenes with mirrors, glass or veils (partly transparent surfaces). They trace the
+//! rays that these surfaces reflect and transmit. First hits may be reused from another view, but each eye traces these
+//! rays itself.
 
 use super::step;
 use crate::{

@@ -14,7 +14,7 @@ use crate::{
     kernel::Kernel,
 };
 
-/// Returns a step of a view, named like its kernel.
+/// Returns the step that runs a kernel for a view, under the kernel's name.
 fn step(kernel: &'static Kernel, view: usize, launch: Launch) -> Step {
     Step::Run { name: kernel.name, kernel, view, launch, part: 0 }
 }

@@ -12,22 +12,22 @@ pub(crate) const REPROJECT_SCANLINE: Kernel = kernel!("reproject", "reproject_sc
 pub(crate) const GATHER_SLOTS: Kernel = kernel!("reproject", "gather_slots", Role::Pixels);
 pub(crate) const DEPTH_RANGE: Kernel = kernel!("reproject", "depth_range", Role::Pixels);
 
-/// Keeps the nearest sample, by atomicMax.
+/// Returns the step that keeps each pixel's nearest sample, by atomicMax.
 pub(crate) fn atomic(view: usize) -> Vec<Step> {
     vec![step(&REPROJECT, view, Launch::Pixels)]
 }
 
-/// Keeps the last sample of a sweep along each row.
+/// Returns the step that keeps each pixel's last sample of a sweep along its row.
 pub(crate) fn scanline(view: usize) -> Vec<Step> {
     vec![step(&REPROJECT_SCANLINE, view, Launch::Rows)]
 }
 
-/// Finds the nearest and farthest depth of each row, for the size of a 3D buffer.
+/// Returns the step that finds the nearest and farthest depth of each row. They determine the size of a 3D buffer.
 pub(crate) fn depth_range(view: usize) -> Vec<Step> {
     vec![step(&DEPTH_RANGE, view, Launch::Rows)]
 }
 
-/// Keeps the nearest sample in the 3D buffer.
+/// Returns the steps that find each pixel's nearest sample in the 3D buffer.
 pub(crate) fn slots(view: usize) -> Vec<Step> {
     vec![Step::EmptySlots, step(&REPROJECT_SLOTS, view, Launch::Pixels), step(&GATHER_SLOTS, view, Launch::Pixels)]
 }

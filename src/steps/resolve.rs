@@ -1,4 +1,4 @@
-//! Pass 3 of the thesis's methods: checks reused pixels and traces bad and missing ones (thesis, 3.1.3).
+//! Pass 3 of the thesis's methods: checks reused pixels and traces bad and missing pixels (thesis, 3.1.3).
 
 use super::{edges, soft, step};
 use crate::{
@@ -10,7 +10,8 @@ use crate::{
 };
 
 pub(crate) const RESOLVE_RIGHT: Kernel = kernel!("resolve", "resolve_right", Role::Hits(Hits::Checked));
-/// The same without checks: the sweep has cleared gaps, and edges have been marked.
+/// [`RESOLVE_RIGHT`] without checks by rays. Gaps have been cleared by the sweep, or edges have been marked, or all
+/// reused pixels are trusted.
 pub(crate) const RESOLVE_TRUSTED: Kernel =
     Kernel { name: "resolve_trusted", role: Role::Hits(Hits::Trusted), ..RESOLVE_RIGHT };
 pub(crate) const TRACE_LISTED: Kernel = kernel!("resolve", "trace_listed", Role::Hits(Hits::Listed));

@@ -1,6 +1,6 @@
-//! First hits of a view by a T-buffer (docs/T-BUFFER.md). Primitives are projected and drawn over the pixels that they
-//! may cover, twice: first for the nearest t, then for its primitive. Then each pixel is read. Later steps of a view
-//! are the same.
+//! Finds a view's first hits by a T-buffer (docs/T-BUFFER.md). Primitives are projected, and drawn twice over the
+//! pixels that they may cover. The first pass finds each pixel's nearest t, the second finds the primitive with this t.
+//! Then each pixel's hit is read. Later steps of the view are the same as for traced hits.
 
 use super::{resolve::TRACE_LISTED, step};
 use crate::{
@@ -17,8 +17,9 @@ pub(crate) const BEGIN_PASS: Kernel = kernel!("t_buffer", "begin_pass", Role::Pi
 pub(crate) const PROJECT_PRIMITIVES: Kernel = kernel!("t_buffer", "project_primitives", Role::Draw(Canvas::Picture));
 /// Draws primitives that cover few pixels.
 pub(crate) const DRAW_FEW: Kernel = kernel!("t_buffer", "draw_few", Role::Draw(Canvas::Picture));
-/// Draw primitives that cover a few tiles, and parts of those that cover many.
+/// Draws primitives that cover a few tiles.
 pub(crate) const DRAW_MORE: Kernel = kernel!("t_buffer", "draw_more", Role::Draw(Canvas::Picture));
+/// Draws parts of primitives that cover many tiles.
 pub(crate) const DRAW_PARTS: Kernel = kernel!("t_buffer", "draw_parts", Role::Draw(Canvas::Picture));
 pub(crate) const READ_T_BUFFER: Kernel = kernel!("t_buffer", "read_t_buffer", Role::Hits(Hits::Drawn));
 /// Traces pixels with a t but no primitive.
@@ -53,8 +54,8 @@ mod tests {
 
     use crate::{Mesh, Method, Options, Renderer, Scene, StereoCamera, Visibility, random::Random};
 
-    /// Triangles that occur three times with rotated corners, so their t are equal. For many, the smallest id comes
-    /// after the others in the tree.
+    /// Each triangle occurs three times with rotated corners, so all three have equal t. For many triangles the
+    /// smallest id comes after the others in the tree.
     #[test]
     fn of_equal_t_the_smaller_id_wins_wherever_it_stands_in_the_tree() {
         let mut random = Random::new(21);

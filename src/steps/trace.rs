@@ -8,16 +8,16 @@ use crate::{
 };
 
 pub(crate) const TRACE_LEFT: Kernel = kernel!("trace", "trace_left", Role::Shade(Shading::Traced(Dispatches::One)));
-/// The same in steps: threads continue in the next dispatch.
+/// [`TRACE_LEFT`] in steps: threads continue in the next dispatch.
 pub(crate) const TRACE_IN_STEPS: Kernel =
     kernel!("trace", "trace_in_steps", Role::Shade(Shading::Traced(Dispatches::Many)));
 
-/// Returns the steps for a view that others are made from; `drawn` if a T-buffer finds its hits.
+/// Returns the steps that make a source view. With `drawn`, a T-buffer finds its hits.
 pub(crate) fn source(view: usize, soft: Option<usize>, drawn: bool) -> Vec<Step> {
     if drawn { by_t_buffer(view, soft) } else { traced("trace_left", view, Launch::Pixels, soft) }
 }
 
-/// Returns the steps for a view that is traced although it has a source.
+/// Returns the steps that trace a view although it has a source.
 pub(crate) fn target(view: usize, soft: Option<usize>, drawn: bool) -> Vec<Step> {
     if drawn { by_t_buffer(view, soft) } else { traced("trace_right", view, Launch::Pixels, soft) }
 }
@@ -31,12 +31,12 @@ pub(crate) fn in_steps(view: usize, source: usize) -> Step {
     step(&TRACE_IN_STEPS, view, Launch::Pixels).named(if view == source { "trace_left" } else { "trace_right" })
 }
 
-/// Returns the steps after it that add soft light.
+/// Returns the steps after [`in_steps`] that add soft light.
 pub(crate) fn after_steps(view: usize, soft: Option<usize>) -> Vec<Step> {
     soft.map_or(Vec::new(), |parts| soft::behind_hits(view, Launch::Pixels, parts))
 }
 
-/// Returns the steps for a view that is traced in bands where `choose` decides so.
+/// Returns the steps that trace a view in the bands for which the kernel `choose` selects tracing.
 pub(crate) fn chosen(view: usize, soft: Option<usize>) -> Vec<Step> {
     traced("trace_right", view, Launch::Listed(Resource::Lists, ALL_TRACED), soft)
 }

@@ -78,8 +78,8 @@ pub enum Trial {
     /// The same scene at a million times its size. Tolerances in world units are too small here, and products of
     /// coordinates are large.
     ScaleLarge,
-    /// The same scene 100,000 units from the origin along each axis. There f32 rounds vertices and rays to half a
-    /// pixel, so a point computed twice has two positions.
+    /// The same scene 100,000 units from the origin along each axis. At this distance f32 rounds vertices and rays to
+    /// half a pixel, so a point computed twice has two positions.
     FarOff,
     /// Near and far objects, seen by eyes half a picture apart. Half of the left view lands outside the right one, and
     /// many left samples compete for one pixel.
@@ -89,7 +89,7 @@ pub enum Trial {
     Inside,
     /// A post nearer than the screen, just beside the left eye's picture and within the right eye's. Left samples
     /// behind it land on it without a gap, so a method that traces only gaps shows the wall through it. This is figure
-    /// 14 of Adelson and Hodges 1993, the one case in which they say that their method fails.
+    /// 14 of Adelson and Hodges 1993, the only case in which they say that their method fails.
     Wings,
 }
 
@@ -176,7 +176,7 @@ impl Trial {
         }
     }
 
-    /// Builds the scene. It is the same each time.
+    /// Builds the scene. Each call gives the same scene.
     pub fn scene(self) -> Scene {
         match self {
             Self::Fence => Builtin::Fence.scene(),

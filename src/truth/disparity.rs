@@ -27,8 +27,8 @@ impl Pose {
     /// `-e_px` at infinity. For parallel cameras it is `f_px e / Z`, which is 0 at infinity and positive elsewhere. For
     /// toed-in eyes it applies to points on the axis between them ([`Pose::parallax_px`]).
     ///
-    /// Both eyes look through one screen rectangle. So these disparities are `f B / Z - e_px`: those of two parallel
-    /// cameras with baseline `B = e` and focal length `f = d w / W` pixels, less `e_px`.
+    /// Both eyes look through one screen rectangle, so these disparities equal `f B / Z - e_px`. The first term is the
+    /// disparity of two parallel cameras with baseline `B = e` and focal length `f = d w / W` pixels.
     pub fn disparity_px(&self, z: f32) -> f64 {
         let parallax = self.parallax();
         // Coinciding eyes have no disparity, not even in their plane.
@@ -44,9 +44,10 @@ impl Pose {
     /// Returns the disparity in pixels of a point that an eye (-1 left, +1 right) shows, from its column and its depth
     /// `z`.
     ///
-    /// It is [`Pose::disparity_px`] plus the effect of the rendered eyes' rounding. With rounding `(ρ, υ, φ)` along
-    /// right, up and forward, the point moves by `f (ρ - T φ) / (Z ± φ)` pixels in the other eye. T is the tangent of
-    /// the point's horizontal angle from that eye's axis. υ moves the point across rows only.
+    /// It is [`Pose::disparity_px`] plus the effect of the rendered eyes' rounding. Let `(ρ, υ, φ)` be the rounding
+    /// along right, up and forward. The point then moves by `f (ρ - T φ) / (Z ± φ)` pixels in the other eye's
+    /// picture. T is the tangent of the point's horizontal angle from that eye's axis. υ moves the point across rows
+    /// only.
     pub(crate) fn disparities_of_eye(&self, side: f64) -> impl Fn(usize, f32) -> f64 {
         let (rounding, fx, cx) = (self.baseline_rounding(), self.focal_px()[0], self.principal_px(side as f32)[0]);
         move |column, z| {
@@ -62,18 +63,19 @@ impl Pose {
 }
 
 impl StereoPair {
-    /// Returns the disparity of each left pixel, `d = x_l - x_r` in pixels. The point that pixel `(i, j)` shows at
-    /// `x_l = i + 0.5` lies at `x_r = i + 0.5 - d` in row j of the right view, visible there or not
+    /// Returns the disparity of each left pixel, `d = x_l - x_r` in pixels. Pixel `(i, j)` shows a point at
+    /// `x_l = i + 0.5`. In the right view that point lies at `x_r = i + 0.5 - d` in row j, where it may be hidden
     /// ([`StereoPair::occlusion`]).
     ///
-    /// Row-major, `[height][width]`, top row first. Computed in f64 from [`View::depth`], for the rendered eyes
-    /// ([`Pose::eye_position`]). d is positive in front of the screen, 0 on it, and **negative behind it**: an off-axis
-    /// camera has zero disparity at the screen, not at infinity. Sky is infinitely far and has `-e_px`, the minimum.
-    /// Add [`Pose::interaxial_px`] for disparities of parallel cameras, which are 0 at infinity. With the screen at
-    /// infinity they already are. A point in the plane of the eyes has `f32::INFINITY`.
+    /// The list is row-major, `[height][width]`, top row first. It is computed in f64 from [`View::depth`], for the
+    /// rendered eyes ([`Pose::eye_position`]). Disparity is positive in front of the screen, 0 on it, and **negative
+    /// behind it**. An off-axis camera has zero disparity at the screen, not at infinity. Sky is infinitely far and has
+    /// `-e_px`, the minimum. Add [`Pose::interaxial_px`] for disparities of parallel cameras, which are 0 at infinity.
+    /// With the screen at infinity, the cameras are already parallel. A point in the plane of the eyes has the
+    /// disparity `f32::INFINITY`.
     ///
-    /// Empty if depth was not kept ([`GBuffer::None`](crate::GBuffer)), or if the eyes are toed in
-    /// ([`Convergence::ToeIn`](crate::Convergence)), since points then don't stay in their rows.
+    /// The list is empty if depth was not kept ([`GBuffer::None`](crate::GBuffer)), or if the eyes are toed in
+    /// ([`Convergence::ToeIn`](crate::Convergence)). With toed-in eyes, points don't stay in their rows.
     ///
     /// ```
     /// use stereotrace::{Builtin, render_stereo};
@@ -88,19 +90,19 @@ impl StereoPair {
     }
 
     /// Returns the disparity of each right pixel: its point lies at `x_l = i + 0.5 + d` in the left view. Methods that
-    /// copy pixels ([`Method::ATOMIC`](crate::Method::ATOMIC) and similar) give the left samples' disparities, seen up
-    /// to half a pixel beside the pixel's centre.
+    /// copy pixels ([`Method::ATOMIC`](crate::Method::ATOMIC) and similar) return the left samples' disparities, which
+    /// belong to points up to half a pixel from the pixel's centre.
     pub fn right_disparity(&self) -> Vec<f32> {
         self.disparities(&self.right, 1.0)
     }
 
-    /// Returns whether the right eye sees the point of each left pixel, judged by the right view's depths. Row-major,
-    /// `[height][width]`, top row first; empty if depth was not kept or the eyes are toed in.
+    /// Returns whether the right eye sees the point of each left pixel, judged by the right view's depths. The list is
+    /// row-major, `[height][width]`, top row first. It is empty if depth was not kept or the eyes are toed in.
     ///
-    /// A point lands up to half a pixel beside the nearest right pixel's centre. The surface there is extrapolated to
-    /// the landing place with the flatter of the disparity slopes to the two neighbours. If the slopes have opposite
-    /// signs, it is level. This is exact on any plane. The point is hidden if that surface has over 0.25 px more
-    /// disparity. Sky is a surface at infinity.
+    /// A point lands up to half a pixel from the nearest right pixel's centre. The surface there is extrapolated to the
+    /// landing position with the flatter of the disparity slopes to the two neighbours. If the slopes have opposite
+    /// signs, the surface is taken as level. This is exact on any plane. The point is hidden if that surface has over
+    /// 0.25 px more disparity. Sky is a surface at infinity.
     ///
     /// Silhouettes and creases lie between two samples, so pixels there may be wrong. Compared with rays from the right
     /// eye to each point, 0.3 to 2.9% of the pixels of the built-in scenes differ (docs/DESIGN.md, section 7).

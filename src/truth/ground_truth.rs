@@ -1,4 +1,4 @@
-//! Ground truth for stereo vision, of both views of a pair: one object that all its files are written from.
+//! Ground truth for stereo vision, of both views of a pair. All ground truth files are written from one object.
 
 use glam::{DVec3, Vec3};
 
@@ -38,7 +38,7 @@ pub struct EyeTruth {
     pub occlusion: Vec<Occlusion>,
     /// Geometric normal facing the eye: unit length, world frame; zero for sky.
     pub geometric_normal: Vec<[f32; 3]>,
-    /// Shading normal, interpolated where a mesh has normals, on the side of the geometric one: unit length, world
+    /// Shading normal, interpolated where a mesh has normals, on the side of the geometric normal: unit length, world
     /// frame; zero for sky.
     pub shading_normal: Vec<[f32; 3]>,
     /// Id of the primitive, or [`MISS`].
@@ -50,17 +50,18 @@ pub struct EyeTruth {
 }
 
 impl EyeTruth {
-    /// Returns whether each pixel shows no surface.
+    /// Returns, for each pixel, whether it shows no surface.
     pub fn sky(&self) -> Vec<bool> {
         self.primitive.iter().map(|&id| id == MISS).collect()
     }
 
-    /// Returns whether each pixel shows a surface: the mask of KITTI's `disp_occ`.
+    /// Returns, for each pixel, whether it shows a surface: the mask of KITTI's `disp_occ`.
     pub fn surfaces(&self) -> Vec<bool> {
         self.primitive.iter().map(|&id| id != MISS).collect()
     }
 
-    /// Returns whether each pixel shows a surface point that the other eye sees too: the mask of KITTI's `disp_noc`.
+    /// Returns, for each pixel, whether it shows a surface point that the other eye sees too: the mask of KITTI's
+    /// `disp_noc`.
     pub fn surfaces_of_both(&self) -> Vec<bool> {
         let pixels = self.primitive.iter().zip(&self.occlusion);
         pixels.map(|(&id, &found)| id != MISS && found == Occlusion::Visible).collect()
@@ -81,17 +82,17 @@ impl Pose {
 }
 
 impl Renderer {
-    /// Computes the ground truth of both views of a pair: disparities, occlusions (one ray from the other eye to each
-    /// point), depths, distances, normals and ids. `uploaded` must be the current state of `scene` or of a clone.
-    /// `pair` must be rendered from it by [`Method::Naive`], [`Method::Auto`] or a [`Method::Bracket`], which hit each
-    /// pixel's own surface.
+    /// Computes the ground truth of both views of a pair: disparities, occlusions, depths, distances, normals and ids.
+    /// Occlusions take one ray from the other eye to each point. `uploaded` must be the current state of `scene` or of
+    /// a clone. `pair` must be rendered from it by [`Method::Naive`], [`Method::Auto`] or a [`Method::Bracket`], which
+    /// hit each pixel's own surface.
     ///
     /// Occlusions are traced on the device. The rest is computed in f64 on the host, with some 50 bytes per pixel and
     /// eye.
     ///
     /// # Errors
     /// [`Error::Options`] for a pair without ids (the default [`GBuffer::Ids`](crate::GBuffer) has them) or by another
-    /// method; [`Error::Scene`] if `scene` is not the uploaded one, or lacks a primitive that the pair shows; and the
+    /// method; [`Error::Scene`] if `scene` is not the uploaded scene, or lacks a primitive that the pair shows; and the
     /// errors of [`Renderer::occlusions`].
     pub async fn ground_truth(
         &self,
@@ -115,7 +116,7 @@ fn check(uploaded: &UploadedScene, scene: &Scene, pair: &StereoPair) -> Result<(
     if [&pair.left, &pair.right].iter().any(|view| view.primitive.len() != view.rgba8.len()) {
         return fault("g_buffer", "ground truth needs depths and ids; use GBuffer::Ids".into());
     }
-    // Without interaxial both views are the left one.
+    // With an interaxial of 0 both views equal the left view.
     let is_exact = matches!(pair.statistics.method, Method::Naive | Method::Bracket(_)) || pair.pose.interaxial == 0.0;
     if !is_exact {
         let method = pair.statistics.method;

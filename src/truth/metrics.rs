@@ -1,4 +1,4 @@
-//! Differences of two views, as defined in DESIGN, section 7, and of disparities.
+//! Differences between two views, as defined in DESIGN, section 7, and between disparities.
 
 mod disparity;
 
@@ -6,16 +6,16 @@ pub use disparity::{BAD_PX, DisparityError, compare_disparity};
 
 use crate::{Error, MISS, Pose, View, message::counted};
 
-/// Parallaxes of one surface differ by less than this, in pixels.
+/// Parallaxes of one surface differ by at most this, in pixels.
 const SAME_SURFACE_PX: f64 = 1.0;
 
-/// Difference of a view from the true one. Colours are 8-bit sRGB; their distances are Euclidean, in steps of 1/255.
+/// Difference of a view from the true view. Colours are 8-bit sRGB; their distances are Euclidean, in steps of 1/255.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Difference {
-    /// Pixels with the same colour, percent.
+    /// Percentage of pixels with the same colour.
     pub identical_percent: f64,
-    /// Pixels with another colour, percent.
+    /// Percentage of pixels with another colour.
     pub differing_percent: f64,
     /// Mean distance in RGB of the differing pixels, 0 if there are none (the measure of Adelson & Hodges 1993).
     pub mean_difference: f64,
@@ -23,14 +23,16 @@ pub struct Difference {
     pub mse: f64,
     /// Peak signal-to-noise ratio `10 log10(255² / mse)` in dB, infinite for identical pictures.
     pub psnr: f64,
-    /// 99.9th percentile of the distance in RGB: at least 99.9% of all pixels are no farther off. Unlike PSNR, it shows
-    /// a few wrong silhouettes.
+    /// 99.9th percentile of the distance in RGB: at least 99.9% of all pixels have no larger distance. Unlike PSNR, it
+    /// shows a few wrong silhouettes.
     pub p999: f64,
-    /// Percentage of pixels with the wrong surface: the objects differ (sky is one), or parallax differs by over 1 px.
+    /// Percentage of pixels with the wrong surface: the objects differ (sky counts as an object), or parallax differs
+    /// by over 1 px.
     pub wrong_surface_percent: f64,
     /// Largest difference in parallax of any pixel, in pixels.
     pub largest_parallax_error_px: f64,
-    /// Percentage of pixels in which either view shows a surface. The others show sky in both, which is easily right.
+    /// Percentage of pixels in which either view shows a surface. All other pixels show sky in both views, which is
+    /// easy to get right.
     pub surface_percent: f64,
     /// Percentage of these surface pixels with the same colour; 100 if there are none.
     pub identical_of_surfaces_percent: f64,
@@ -38,7 +40,7 @@ pub struct Difference {
     pub wrong_of_surfaces_percent: f64,
 }
 
-/// Compares a view with the true one, both seen from `pose`.
+/// Compares a view with the true view, both seen from `pose`.
 ///
 /// # Errors
 /// [`Error::Sizes`] if the views and the pose differ in size, or the size is zero.
@@ -85,7 +87,7 @@ pub fn compare(view: &View, truth: &View, pose: &Pose) -> Result<Difference, Err
     })
 }
 
-/// Returns the number of pixels if all lists have that many and it is not 0.
+/// Returns the number of pixels if all lists have that many entries and it is not 0.
 fn checked_pixels(view: &View, truth: &View, pose: &Pose) -> Result<usize, Error> {
     let fault = |sizes, reason| Err(Error::Sizes { sizes, reason });
     let [width, height] = pose.size;
@@ -201,7 +203,7 @@ mod tests {
 
     #[test]
     fn sky_in_both_views_counts_for_all_pixels_and_not_for_surfaces() {
-        // One correct surface, one of another colour and depth, and sky twice.
+        // The pixels show a correct surface, a surface of another colour and depth, and sky twice.
         let mut truth = wall(4, 1);
         (truth.depth[2], truth.object[2]) = (f32::INFINITY, MISS);
         let mut view = truth.clone();
@@ -216,7 +218,7 @@ mod tests {
         // Different sky colours do not count for surfaces.
         view.rgba8[2] = [0, 0, 0, 255];
         assert_eq!(figures(&view, &truth), ([50.0, 25.0], 50.0, [50.0, 50.0]));
-        // Sky in one view only: a third pixel then shows a surface, a wrong one and of another colour.
+        // With sky in one view only, a third pixel shows a surface, which is wrong and has another colour.
         (view.depth[2], view.object[2]) = (5.0, 0);
         let of_three = [100.0 - 200.0 / 3.0, 200.0 / 3.0];
         for (view, truth) in [(&view, &truth), (&truth, &view)] {

@@ -4,12 +4,13 @@ use glam::DVec3;
 
 use crate::{Convergence, Error, Occlusion, Pose, Ray, Renderer, StereoPair, UploadedScene, View};
 
-/// If a ray hits a surface with no more than this additional disparity, in pixels, it hit the point itself. The value
-/// exceeds the rounding of depths and directions, even on surfaces seen edge-on. Wrong answers are limited to a strip
-/// of this width beside edges.
+/// A ray has hit the point itself if the hit's disparity exceeds the point's disparity by at most this many pixels. The
+/// value exceeds the rounding of depths and directions, even on surfaces seen edge-on. Wrong answers are limited to a
+/// strip of this width along edges.
 const SAME_POINT_PX: f64 = 1.0 / 512.0;
 
-/// Whether the other eye sees the point of each pixel, for both views. Row-major, `[height][width]`, top row first.
+/// Whether the other eye sees the point of each pixel, for both views. The lists are row-major, `[height][width]`, top
+/// row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Occlusions {
@@ -21,12 +22,13 @@ pub struct Occlusions {
 
 impl Renderer {
     /// Returns whether the other eye sees the point at each pixel's centre, by tracing a ray from that eye to it.
-    /// [`StereoPair::occlusion`] estimates the same from depths. Sky is visible where nothing stands in front of it. A
-    /// pixel whose point leaves the other picture ([`StereoPair::disparity`]) is out of frame, visible or not.
+    /// [`StereoPair::occlusion`] estimates the same from depths. Sky is visible unless something is in front of it. A
+    /// pixel whose point lies outside the other picture ([`StereoPair::disparity`]) is out of frame, even if nothing
+    /// hides the point.
     ///
     /// `pair` is a picture of `scene` with depths (the default [`GBuffer::Ids`](crate::GBuffer) has them), by any
     /// method. With methods that copy pixels ([`Method::ATOMIC`](crate::Method::ATOMIC) and similar), right depths
-    /// belong to points up to half a pixel beside the centre.
+    /// belong to points up to half a pixel from the centre.
     ///
     /// # Errors
     /// [`Error::Options`] for a pair without depths, [`Error::Rig`] for toed-in eyes, and the errors of
@@ -78,10 +80,11 @@ pub(crate) struct Pixels {
     other_eye: DVec3,
     /// Vector from the other eye to this one, in world units.
     aside: DVec3,
-    /// Directions of length 1 along the view axis: through the picture's top left corner, and the steps to the right
-    /// and lower neighbour pixels.
+    /// Direction through the picture's top left corner, of length 1 along the view axis.
     corner: DVec3,
+    /// Change of the direction from a pixel to its right neighbour.
     right: DVec3,
+    /// Change of the direction from a pixel to the pixel below.
     down: DVec3,
 }
 

@@ -11,13 +11,13 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Surface {
-    /// Geometric normal on the side where the ray comes from: unit length, world frame.
+    /// Geometric normal on the side that the ray comes from: unit length, world frame.
     pub geometric_normal: Vec3,
-    /// Shading normal, interpolated where a mesh has normals, on the side of the geometric one: unit length, world
+    /// Shading normal, interpolated where a mesh has normals, on the side of the geometric normal: unit length, world
     /// frame.
     pub shading_normal: Vec3,
-    /// Barycentric coordinates of the hit: the weights of the triangle's corners, at least 0, of sum 1. `None` for
-    /// spheres, ellipsoids and planes.
+    /// Barycentric coordinates of the hit: the weights of the triangle's corners, which are at least 0 and sum to 1.
+    /// `None` for spheres, ellipsoids and planes.
     pub barycentric: Option<[f32; 3]>,
     /// Id of the primitive's object ([`Scene::object_of`]).
     pub object: u32,
@@ -27,7 +27,7 @@ pub struct Surface {
 
 impl Scene {
     /// Returns the surface that a ray hits, or `None` for a miss and for a primitive that the scene lacks. The hit must
-    /// be of this scene, as it was uploaded.
+    /// come from this scene in its uploaded state.
     ///
     /// ```
     /// use stereotrace::{Gpu, Material, Mesh, Ray, Renderer, Scene, blocking::Wait, glam::Vec3};
@@ -58,9 +58,9 @@ impl Scene {
     }
 }
 
-/// Returns the surface of a primitive that a ray hits near `t`. The ray is an origin relative to the scene's and a
-/// direction. It is the f64 counterpart of `surface_of` in shaders/shared. [`Scene::surface`] adds the object and the
-/// barycentric coordinates, which pictures do not need.
+/// Returns the surface of a primitive that a ray hits near `t`. The ray is given by a direction and an origin relative
+/// to the scene's origin. The function is the f64 counterpart of `surface_of` in shaders/shared. [`Scene::surface`]
+/// adds the object and the barycentric coordinates, which pictures do not need.
 pub(super) fn at(scene: &Scene, primitive: u32, (origin, direction): (DVec3, DVec3), t: f64) -> Surface {
     match scene.primitive(primitive) {
         Primitive::Triangle(triangle) => of_triangle(triangle, origin, direction),
@@ -76,7 +76,7 @@ pub(super) fn at(scene: &Scene, primitive: u32, (origin, direction): (DVec3, DVe
     }
 }
 
-/// Returns a surface lit by its geometric normal, which may have any length but 0.
+/// Returns a surface that is shaded by its geometric normal. `normal` may have any length but 0.
 fn flat(normal: DVec3, direction: DVec3, material: MaterialId) -> Surface {
     let normal = towards_viewer(normal, direction).as_vec3();
     Surface { geometric_normal: normal, shading_normal: normal, barycentric: None, object: MISS, material }
@@ -87,7 +87,7 @@ fn towards_viewer(normal: DVec3, direction: DVec3) -> DVec3 {
     if unit.dot(direction) > 0.0 { -unit } else { unit }
 }
 
-/// Returns the barycentric coordinates at which a ray meets a triangle's plane, at least 0, of sum 1.
+/// Returns the barycentric coordinates at which a ray meets a triangle's plane. They are at least 0 and sum to 1.
 fn weights(triangle: &Triangle, origin: DVec3, direction: DVec3) -> [f64; 3] {
     let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - origin);
     // A corner's weight is the volume that the ray spans with the opposite edge. Rounding may leave the point slightly
@@ -96,7 +96,7 @@ fn weights(triangle: &Triangle, origin: DVec3, direction: DVec3) -> [f64; 3] {
     let sign = volumes.iter().sum::<f64>().signum();
     let shares = volumes.map(|volume| (sign * volume).max(0.0));
     let sum: f64 = shares.iter().sum();
-    // A ray in the triangle's plane has no weights of its own.
+    // A ray in the triangle's plane does not determine the weights, so equal weights are used.
     if sum > 0.0 { shares.map(|share| share / sum) } else { [1.0 / 3.0; 3] }
 }
 

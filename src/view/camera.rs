@@ -28,7 +28,8 @@ pub(crate) use self::{
 };
 use crate::Error;
 
-/// Depth of a ray that hits nothing, in every buffer, since WGSL has no infinity. Results turn it into `f32::INFINITY`.
+/// Depth of a ray that hits nothing, in all buffers, since WGSL has no infinity. Results contain `f32::INFINITY`
+/// instead.
 pub const FAR: f32 = 3.4e38;
 
 /// Average distance between human eyes in metres (thesis, eq. 12).
@@ -50,7 +51,7 @@ pub(crate) enum Screen {
     Offset(f64),
 }
 
-/// How the two eyes are oriented.
+/// Orientation of the two eyes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Convergence {
@@ -60,8 +61,8 @@ pub enum Convergence {
     OffAxis,
     /// The eyes turn towards each other, so that their axes meet at the screen's distance, as on a toe-in rig. Points
     /// then have vertical parallax of up to [`Comfort::vertical_parallax_px`]. Rows are not epipolar lines, so no
-    /// samples can be reused. [`Method::Naive`](crate::Method::Naive) renders the pair, whatever method is set, and a
-    /// warning is logged.
+    /// samples can be reused. [`Method::Naive`](crate::Method::Naive) renders the pair even if another method is set,
+    /// and a warning is logged.
     ToeIn,
 }
 
@@ -74,13 +75,13 @@ pub(crate) enum Interaxial {
 
 /// A stereo camera: two eyes that look through one screen rectangle (off-axis projection), or two parallel cameras.
 ///
-/// World space is right-handed with y up. Both eyes look along `f = normalize(target - eye)`. They stand at
-/// `eye ∓ r e/2` with `r = normalize(f × up)`, left first. The screen lies at distance `d` along `f`; points on it have
-/// zero parallax. With `d` infinite the eyes are parallel cameras: points at infinity have zero parallax, nearer ones
+/// World space is right-handed with y up. Both eyes look along `f = normalize(target - eye)`. The left and right eye
+/// are at `eye ∓ r e/2` with `r = normalize(f × up)`. The screen lies at distance `d` along `f`; points on it have
+/// zero parallax. With `d` infinite the eyes are parallel cameras: points at infinity have zero parallax, nearer points
 /// have disparity `f_px e / Z`.
 ///
-/// [`Intrinsics`] describe a calibrated pair, [`Convergence::ToeIn`] a toed-in one. Setters accept any value;
-/// [`StereoCamera::pose`] and every render check them.
+/// [`Intrinsics`] describe a calibrated pair, and [`Convergence::ToeIn`] makes a toed-in pair. Setters accept any
+/// value; [`StereoCamera::pose`] and every render check the values.
 ///
 /// ```
 /// use stereotrace::{StereoCamera, glam::Vec3};
@@ -106,7 +107,7 @@ pub struct StereoCamera {
     pub(crate) height: u32,
 }
 
-/// A checked camera, in the numbers that kernels and formulas use. [`Pose::intrinsics`] gives them as a calibration.
+/// A checked camera, as the values that kernels and formulas use. [`Pose::intrinsics`] returns them as a calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Pose {
@@ -129,11 +130,10 @@ pub struct Pose {
     /// Picture size `[w, h]`, pixels.
     pub size: [u32; 2],
     /// Orientation of the eyes. For toed-in eyes the axes of this pose belong to the midpoint; [`Pose::of_eye`] gives
-    /// an eye's own axes. `screen_size` and `interaxial_px` are then those of the off-axis camera with the same
-    /// settings.
+    /// an eye's own axes. `screen_size` and `interaxial_px` then describe the off-axis camera with the same settings.
     pub convergence: Convergence,
     /// Distance to the subject in world units, for rules that need a length. It is the screen's distance, or the
-    /// target's if the screen is at infinity.
+    /// target's distance if the screen is at infinity.
     pub subject_distance: f32,
     /// View rectangle of the eyes.
     pub(crate) frustum: Frustum,
@@ -146,8 +146,8 @@ impl StereoCamera {
     /// Makes a camera at `eye` (the midpoint between the eyes) that looks at `target`. Both are world coordinates,
     /// [`Vec3`] or [`DVec3`].
     ///
-    /// Up is +y, the picture has 640 x 480 pixels, and the vertical field of view is 45 degrees. The screen stands at
-    /// the target, and the interaxial is a thirtieth of that distance.
+    /// Up is +y, the picture has 640 x 480 pixels, and the vertical field of view is 45 degrees. The screen is at the
+    /// target, and the interaxial is a thirtieth of that distance.
     pub fn look_at(eye: impl Into<DVec3>, target: impl Into<DVec3>) -> Self {
         let (eye, target) = (eye.into(), target.into());
         let distance = eye.distance(target) as f32;
@@ -232,7 +232,7 @@ impl StereoCamera {
     /// Returns parallel cameras with the same field of view and the same interaxial in world units.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::pose`].
+    /// Returns the errors of [`StereoCamera::pose`].
     pub fn parallel(self) -> Result<Self, Error> {
         let pose = self.pose()?;
         let mut camera = self.interaxial(pose.interaxial).screen_distance(f32::INFINITY);
@@ -270,11 +270,11 @@ impl StereoCamera {
     ///
     /// | field | range |
     /// |---|---|
-    /// | size | 1 to [`MAX_SIDE`] a side |
+    /// | size | 1 to [`MAX_SIDE`] pixels per side |
     /// | eye, target | within [`MAX_WORLD_COORDINATE`]; eyes within [`MAX_EYE_COORDINATE`] of the scene's origin |
     /// | screen distance, given or by principal points | [`SCREEN_DISTANCES`], or infinite |
     /// | field of view, screen width, intrinsics, size, interaxial | both eyes' pixels span [`MIN_PIXEL_ANGLE`] |
-    /// | intrinsics | focal lengths above 0, `cx1` at least `cx0`, and more only with eyes apart |
+    /// | intrinsics | focal lengths above 0, `cx1` at least `cx0`, and equal if the interaxial is 0 |
     /// | interaxial | 0, or so large that the eyes' rounding changes it by at most [`MAX_EYE_SHIFT`] of it |
     ///
     /// The limits on eyes and interaxial that depend on [`Scene::origin`](crate::Scene::origin) are checked by a
@@ -291,7 +291,7 @@ impl StereoCamera {
     /// - different principal points with toed-in eyes.
     pub fn pose(&self) -> Result<Pose, Error> {
         check_fields(self)?;
-        // f64 gives the nearest f32 axes and corners also for far-off and tiny scenes.
+        // f64 arithmetic gives the nearest f32 axes and corners, even in distant and tiny scenes.
         let towards = self.target - self.eye;
         let forward = towards.normalize_or_zero();
         if forward == DVec3::ZERO {
@@ -461,17 +461,17 @@ impl StereoCamera {
     /// Checks the camera for a scene with this origin. The eyes are then f32 positions relative to it.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::pose`], and [`Error::Camera`] if f32 can't represent the eyes.
+    /// Returns the errors of [`StereoCamera::pose`], and [`Error::Camera`] if f32 can't represent the eyes.
     pub(crate) fn pose_in(&self, scene_origin: DVec3) -> Result<Pose, Error> {
         let pose = Pose { scene_origin: Some(scene_origin), ..self.pose()? };
         check_eyes(self, &pose)?;
         Ok(pose)
     }
 
-    /// Checks two eyes of a rendered pose that stand `times` interaxials apart.
+    /// Checks two eyes of a rendered pose that are `times` interaxials apart.
     ///
     /// # Errors
-    /// [`Error::Camera`] if f32 can't represent them.
+    /// [`Error::Camera`] if f32 can't represent the eyes.
     pub(crate) fn check_apart(&self, pose: &Pose, times: f32) -> Result<(), Error> {
         let apart = times * pose.interaxial;
         if !apart.is_finite() {

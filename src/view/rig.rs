@@ -1,12 +1,12 @@
-//! Rigs: eyes on one line behind one screen, their traced views and the sources of the others.
+//! Rigs: eyes on one line behind one screen, their traced views, and the source views of all other views.
 
 use glam::{DVec3, Vec3};
 
 use crate::{Convergence, Error, Pose, StereoCamera};
 
-/// Number of views from which two traced views are better than one. Each other view then has a nearer source view, and
-/// most have traced views on both sides. This leaves far fewer shadow rays. With 45 views, each other view then costs
-/// 0.074 of a traced one in the hall (0.049 for the dragon), instead of 0.126 (0.059).
+/// Least number of views for which two traced views are better than one. Each other view then has a nearer source view,
+/// and most have traced views on both sides. This leaves far fewer shadow rays. With 45 views, each other view then
+/// costs 0.074 of a traced view in the hall (0.049 for the dragon), instead of 0.126 (0.059).
 const FOR_TWO: usize = 24;
 
 /// Distance of two traced views from the ends of their group, as a share of the group's width.
@@ -18,12 +18,12 @@ pub const MAX_VIEWS: usize = 1024;
 /// Eyes on one line that share one screen, for multi-view displays and light fields. A pair is a rig of two;
 /// [`Rig::mono`] is a rig of one eye.
 ///
-/// An eye stands at `eye + r o e`. `eye` is the camera's midpoint, `r` its right axis, `e` its interaxial, and `o` the
-/// eye's offset. All eyes look through the same screen rectangle, so the parallax between two of them is
+/// An eye is at `eye + r o e`. `eye` is the camera's midpoint, `r` its right axis, `e` its interaxial, and `o` the
+/// eye's offset. All eyes look through the same screen rectangle. The parallax between eyes a and b is therefore
 /// `(o_b - o_a) e_px (1 - d/Z)`, of either sign. For parallel cameras it is `(o_a - o_b) f_px e / Z`.
 ///
-/// Some views are traced. Each other view is made from the nearest traced one, its source. Toed-in eyes can be rendered
-/// only one at a time, each as a camera of its own ([`Pose::of_eye`]) at offset 0.
+/// Some views are traced. Each other view is made from the nearest traced view, its source. Toed-in eyes can be
+/// rendered only one at a time, each as a camera of its own ([`Pose::of_eye`]) at offset 0.
 ///
 /// ```
 /// use stereotrace::{Rig, StereoCamera, glam::Vec3};
@@ -60,7 +60,7 @@ impl Rig {
     /// Creates a row of `eyes` eyes from left to right, an interaxial apart, centred at the camera's midpoint.
     pub fn row(camera: StereoCamera, eyes: usize) -> Self {
         let middle = 0.5 * eyes.saturating_sub(1) as f32;
-        // Rendering refuses rows that are too long; until then they must not fill memory.
+        // Rendering rejects rows that are too long. The limit keeps them from filling memory before that.
         Self::at(camera, (0..eyes.min(MAX_VIEWS + 1)).map(|eye| eye as f32 - middle).collect())
     }
 
@@ -71,7 +71,7 @@ impl Rig {
 
     /// Sets the traced views, as indices into the offsets. By default, as few views are traced as needed to keep every
     /// other view within [`Rig::REACH`] of its source. Where one traced view would serve 24 views or more, two are
-    /// traced. With `bracket`, a view between two traced views queries both for visibility bits, the nearer one first.
+    /// traced. With `bracket`, a view between two traced views queries both for visibility bits, the nearer view first.
     pub fn traced(mut self, views: Vec<usize>) -> Self {
         self.traced = Some(views);
         self
@@ -83,9 +83,11 @@ impl Rig {
     }
 
     /// Maximum parallax at infinity between a view and its source, as a share of the picture's width, unless
-    /// [`Rig::traced`] is set. For parallel cameras, the parallax at the target's distance.
+    /// [`Rig::traced`] is set. For parallel cameras the limit applies to the parallax at the target's distance.
     pub const REACH: f32 = 1.0 / 8.0;
 
+    /// Checks the rig and returns its eyes, for a scene with this origin.
+    ///
     /// # Errors
     /// [`Error::Rig`] for no eyes, too many eyes, equal offsets, several toed-in eyes, or invalid sources.
     /// [`Error::Camera`] if f32 does not resolve the outermost or the closest eyes.
@@ -115,7 +117,7 @@ impl Rig {
             };
         }
         if pose.interaxial > 0.0 && count > 1 {
-            // The outermost eyes and the closest ones must each be a valid pair.
+            // The outermost eye with its mirror image, and the two closest eyes, must each form a valid pair.
             let span = 2.0 * sorted[0].abs().max(sorted[count - 1].abs());
             let gap = sorted.windows(2).map(|two| two[1] - two[0]).fold(f32::INFINITY, f32::min);
             for apart in [span, gap] {
@@ -187,13 +189,14 @@ fn seconds(offsets: &[f32], sources: &[usize]) -> Vec<usize> {
     sources.iter().enumerate().map(second).collect()
 }
 
-/// How the rays of a picture leave the eyes. Kernels use `shaders/shared/camera.wgsl`, and the host uses this type.
+/// How the primary rays of a picture leave the eyes. Kernels use `shaders/shared/camera.wgsl`, and the host uses this
+/// type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) enum Projection {
     /// Rays through a screen's rectangle.
     #[default]
     Planar,
-    /// Rays in all directions, along tangents of a circle. It tests which code a further camera model needs.
+    /// Rays in all directions, along tangents of a circle. This variant tests which code another camera model needs.
     #[cfg(test)]
     Around,
 }
@@ -245,7 +248,7 @@ impl Eyes {
         self.seconds != self.sources
     }
 
-    /// Returns the pose of a view and its source as a pair: its interaxial is the distance between them.
+    /// Returns the pose of a view and its source as a pair: its interaxial is the distance between the two eyes.
     pub(crate) fn pair_of(&self, view: usize) -> Pose {
         self.pose.apart((self.offsets[view] - self.offsets[self.sources[view]]).abs())
     }

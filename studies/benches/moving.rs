@@ -1,8 +1,9 @@
-//! What it costs when an object moves: `cargo bench -p stereotrace-studies --bench moving` prints a table.
+//! Measures the cost of updates when an object moves: `cargo bench -p stereotrace-studies --bench moving` prints a
+//! table.
 //!
-//! An object stands in the built-in hall and is moved aside. The scene is updated by a refit and by a rebuild of its
-//! tree, and uploaded anew; nodes and primitive tests of a naive pair say what the refitted tree is worth. `cargo bench
-//! --bench moving -- NAME…` takes other objects: built-in scenes, or folders of OBJ files.
+//! An object in the built-in hall is moved sideways. The scene is updated by a refit and by a rebuild of its tree, and
+//! uploaded anew. Nodes and primitive tests of a naive pair show the quality of the refitted tree. `cargo bench --bench
+//! moving -- NAME…` selects other objects: built-in scenes, or folders of OBJ files.
 
 #[path = "../../benches/common/mod.rs"]
 mod common;
@@ -57,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The hall with all triangles of a scene as one object in its middle, and that object's number.
+/// Returns the hall with all triangles of a scene as one object in its middle, and the object's index.
 fn in_the_hall(of: &Scene) -> Result<(Scene, u32), Box<dyn Error>> {
     let (low, high) = of.bounds().ok_or("nothing in it")?;
     let low = (low - of.origin()).as_vec3();
@@ -79,7 +80,7 @@ fn timed<T>(work: impl FnOnce() -> Result<T, stereotrace::Error>) -> Result<(f64
     Ok((1e3 * start.elapsed().as_secs_f64(), done))
 }
 
-/// Prints a line. Moved by 0, the object stays and a light moves.
+/// Prints one line. If `moved` is 0, the object stays and a light moves.
 fn measure(
     renderer: &mut Renderer,
     name: &str,
@@ -105,7 +106,7 @@ fn measure(
             };
             times[turn].extend((round > 0).then_some(time));
         }
-        // Back to where it stood, so that the next round has the same to do.
+        // The object is moved back, so that each round has the same work.
         renderer.update(&mut refitted, still, Update::Refit).wait()?;
         renderer.update(&mut rebuilt, still, build).wait()?;
     }

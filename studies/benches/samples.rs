@@ -1,10 +1,9 @@
-//! What many samples a pixel cost, and what of it the second eye is spared: `cargo bench -p stereotrace-studies --bench
-//! samples` prints tables.
+//! Measures the cost of several samples per pixel, and the second eye's savings: `cargo bench -p stereotrace-studies
+//! --bench samples` prints tables.
 //!
-//! Naive and bracket take turns at every number of samples in one run, without depths and ids, so that all rays are
-//! samples. Times are the passes', medians of the rounds; the filter on the host is not among them. Counts and pictures
-//! are of one frame each. The error is the right view's root mean square distance from naive's of 64 samples, in linear
-//! light.
+//! Naive and bracket take turns at every number of samples in one run. Depths and ids are off, so all rays are samples.
+//! Times are of the passes, as medians of the rounds, without the filter on the host. Counts and pictures are of one
+//! frame each. The error is the right view's root mean square distance from naive's with 64 samples, in linear light.
 
 #[path = "../../benches/common/mod.rs"]
 mod common;
@@ -21,46 +20,46 @@ use crate::common::{
     scenes::{self, BenchScene},
 };
 
-/// Compares naive and bracket at several samples a pixel.
+/// Compares naive and bracket at several samples per pixel.
 #[derive(Parser, Debug)]
 #[command(name = "cargo bench -p stereotrace-studies --bench samples --")]
 struct Arguments {
     /// Built-in scenes, or folders of OBJ files [default: hall, spheres, `sponza_4x` and dragon]
     scenes: Vec<String>,
-    /// Picture size in pixels; the distance between the eyes goes with its width [default: 400x400]
+    /// Picture size in pixels; the interaxial is proportional to its width [default: 400x400]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// Samples a pixel
+    /// Numbers of samples per pixel
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_value = "1,4,9,16")]
     samples: Vec<u32>,
-    /// Point lights
+    /// Number of point lights
     #[arg(long, value_name = "N", default_value_t = 5)]
     lights: usize,
-    /// How samples are weighed: box, tent or gauss
+    /// Filter of the samples: box, tent or gauss
     #[arg(long, value_name = "KIND", default_value_t)]
     filter: Filter,
-    /// Samples in the middles of their cells, without jitter
+    /// Place samples at the centres of their cells, without jitter
     #[arg(long)]
     grid: bool,
-    /// Rounds; 0 for counts alone [default: 7]
+    /// Number of timed rounds; 0 for counts alone [default: 7]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
-    /// A quick look, not for figures: 48x48, the hall, one round
+    /// Smoke run with meaningless figures: 48x48, the hall, one round
     #[arg(long)]
     smoke: bool,
-    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    /// Passed by cargo when it benchmarks; without it this is a smoke run
     #[arg(long, hide = true)]
     bench: bool,
 }
 
-/// Parallax at infinity in pixels, of a picture 600 wide.
+/// Parallax at infinity in pixels, for a picture 600 pixels wide.
 const E_PX: f32 = 15.0;
-/// The ground truth comes first.
+/// Methods, with the ground truth first.
 const METHODS: [Method; 2] = [Method::Naive, Method::BRACKET];
-/// Samples of the picture that errors are told from.
+/// Number of samples per pixel in the reference picture of the errors.
 const REFERENCE: u32 = 64;
 
-/// What passes do, by the beginnings of their names.
+/// Groups of passes, by prefixes of their names.
 const GROUPS: [(&str, &[&str]); 7] = [
     ("left", &["trace_left"]),
     ("right traced", &["trace_right"]),
@@ -71,10 +70,10 @@ const GROUPS: [(&str, &[&str]); 7] = [
     ("shadow rays", &["shade_listed"]),
 ];
 
-/// Of one number of samples, by one method.
+/// Times of one method at one number of samples.
 #[derive(Default)]
 struct Turn {
-    /// Of all passes, milliseconds, a round each.
+    /// Total time of the passes in each round, in milliseconds.
     times: Vec<f64>,
     groups: [Vec<f64>; GROUPS.len()],
 }
@@ -167,7 +166,7 @@ fn measure(
     Ok(())
 }
 
-/// Nanoseconds a sample of each group of passes.
+/// Prints nanoseconds per sample for each group of passes.
 fn print_groups(turns: &[(Method, u32)], taken: &[Turn], pixels: f64) {
     let names = Vec::from_iter(GROUPS.iter().map(|(name, _)| *name));
     println!("| ns a sample | samples | {} | all |\n|---|---|{}---|", names.join(" | "), "---|".repeat(names.len()));
@@ -190,12 +189,12 @@ impl Turn {
     }
 }
 
-/// NaN of no times: an adapter without timestamps, or counts alone.
+/// Returns the median, or NaN without times: on an adapter without timestamps, or if only counts were requested.
 fn median(times: &[f64]) -> f64 {
     if times.is_empty() { f64::NAN } else { Spread::of(times.iter().copied()).median }
 }
 
-/// Root mean square distance of the right views.
+/// Returns the root mean square distance of the right views, in linear light.
 fn error(pair: &StereoPair, reference: &StereoPair) -> f64 {
     let colors = pair.right.linear.iter().zip(&reference.right.linear);
     let squares = colors.flat_map(|(a, b)| (0..3).map(|channel| f64::from(a[channel] - b[channel]).powi(2)));

@@ -1,12 +1,12 @@
-//! What soft light costs and how exact the second eye is: `cargo bench -p stereotrace-studies --bench soft` prints a
-//! table.
+//! Measures the cost of soft light and the second eye's accuracy: `cargo bench -p stereotrace-studies --bench soft`
+//! prints a table.
 //!
-//! Naive and bracket by both rules of `Penumbra` take turns in one run; times are the passes', medians of the rounds.
-//! Errors are the right view's mean and root mean square distance from a converged picture, the mean of naive's over
-//! many seeds with 32 rays each, in linear light; naive's own is noise. Counts and errors are those of half the width
-//! and height. `cargo bench -p stereotrace-studies --bench soft -- NAME…` takes other scenes: built-in ones, those of
-//! the stability suite (cables, foliage, …), or folders of OBJ files. `--counts` leaves out the times, `--times` all
-//! else.
+//! Naive takes turns with bracket by both rules of `Penumbra` in one run. Times are of the passes, as medians of the
+//! rounds. Errors are the right view's mean and root mean square distance from a converged picture, in linear light.
+//! That picture is the mean of naive's over many seeds with 32 rays each; naive's own error is noise. Counts and errors
+//! are measured at half the width and height. `cargo bench -p stereotrace-studies --bench soft -- NAME…` selects
+//! other scenes: built-in scenes, trials of the stability suite (cables, foliage, …), or folders of OBJ files.
+//! `--counts` leaves out the times, and `--times` leaves out everything else.
 
 #[path = "../../benches/common/mod.rs"]
 mod common;
@@ -25,19 +25,19 @@ use crate::common::{
     scenes::{self, BenchScene},
 };
 
-/// Parallax at infinity in pixels, of a picture 600 wide.
+/// Parallax at infinity in pixels, for a picture 600 pixels wide.
 const E_PX: f32 = 15.0;
-/// Lights of each scene.
+/// Number of lights in each scene.
 const LIGHTS: usize = 2;
 
-/// What light is made soft by, in shares of the scene's diagonal.
+/// Source of soft light. Lengths are shares of the scene's diagonal.
 #[derive(Clone, Copy)]
 enum Softness {
-    /// The lights' radius.
+    /// Spherical lights of this radius.
     Lights(f32),
-    /// How far occlusion reaches.
+    /// Ambient occlusion with this reach.
     Occlusion(f32),
-    /// The sky, in place of ambient light.
+    /// Light from the sky, in place of ambient light.
     SkyGradient,
     SkyMap,
 }
@@ -53,7 +53,7 @@ const ALL: [(&str, Softness); 8] = [
     ("sky with a sun, 2 points", Softness::SkyMap),
 ];
 
-/// Columns of a sky that is a picture.
+/// Width of the sky map in pixels.
 const SKY_WIDTH: u32 = 1024;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -90,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The methods that are compared, the ground truth first.
+/// Returns the compared methods, with the ground truth first.
 fn methods(base: &Options) -> [(&'static str, Options); 3] {
     let with = |method, penumbra| base.clone().method(method).penumbra(penumbra);
     [
@@ -100,7 +100,7 @@ fn methods(base: &Options) -> [(&'static str, Options); 3] {
     ]
 }
 
-/// Makes a scene's light soft, and says what to render it with.
+/// Makes a scene's light soft, and returns the options to render it with.
 fn soften(scene: &mut Scene, softness: Softness) -> Result<Options, Box<dyn Error>> {
     let diagonal = scene.bounds().map_or(1.0, |(low, high)| low.distance(high) as f32);
     let mut base = Options::new(Method::Naive);
@@ -159,7 +159,7 @@ fn measure(
         }
         return Ok(());
     }
-    // A quarter of the pixels do, and penumbrae are half as wide in them: no easier.
+    // A quarter of the pixels is enough. Penumbrae are half as wide in them, so this is not an easier case.
     let [width, height] = camera.pose()?.size;
     let e_px = camera.pose()?.interaxial_px / 2.0;
     let camera = &camera.size(width / 2, height / 2).interaxial_pixels(e_px);
@@ -185,13 +185,13 @@ fn measure(
     Ok(())
 }
 
-/// An error as a share of naive's. Where no light but points' arrives, as the sky's in a hall without windows, naive
-/// makes none.
+/// Formats an error as a share of naive's. If only light of points arrives, naive has no error; an example is the sky's
+/// light in a hall without windows.
 fn of(error: f64, of_naive: f64) -> String {
     if of_naive > 1e-4 { format!("{:.3}", error / of_naive) } else { "-".into() }
 }
 
-/// The right view's linear colours that naive tends to.
+/// Returns the linear colours of the right view to which naive converges.
 fn converged(
     renderer: &mut Renderer,
     scene: &stereotrace::UploadedScene,
@@ -213,7 +213,7 @@ fn converged(
     Ok(sum)
 }
 
-/// Mean, and root of the mean square.
+/// Returns the mean, and the root of the mean square.
 fn errors(pair: &StereoPair, limit: &[[f64; 3]]) -> [f64; 2] {
     let off = |(color, limit): (&[f32; 4], &[f64; 3])| {
         (0..3).map(|k| (f64::from(color[k]) - limit[k]).powi(2)).sum::<f64>().sqrt()

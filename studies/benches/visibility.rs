@@ -1,11 +1,11 @@
-//! What finding first hits costs, by rays and by a T-buffer: `cargo bench -p stereotrace-studies --bench visibility`
-//! prints a table a scene.
+//! Measures the cost of finding first hits, by rays and by a T-buffer: `cargo bench -p stereotrace-studies --bench
+//! visibility` prints one table per scene.
 //!
-//! Both ways take turns in one run, each at several sizes of one picture, since a T-buffer's price has a share that
-//! goes with primitives and one that goes with pixels. Scenes have no lights unless some are asked for, so that hardly
-//! more than first hits is timed. Times are the left view's passes, medians of the rounds; counts are of one frame
-//! each: nodes of the tree that rays visit or primitives that are projected, and rays' tests of primitives. `--rounds
-//! 0` prints counts alone, which are the same on every machine.
+//! Both ways take turns in one run, at several sizes of one picture. One part of a T-buffer's cost is proportional to
+//! primitives, and another to pixels. By default scenes have no lights, so that little more than first hits is timed.
+//! Times are of the left view's passes, as medians of the rounds. Counts are of one frame each. They are tree nodes
+//! that rays visit or primitives that are projected, and primitive tests. `--rounds 0` prints counts alone, which are
+//! the same on every machine.
 
 #[path = "../../benches/common/mod.rs"]
 mod common;
@@ -22,7 +22,7 @@ use crate::common::{
     scenes::{self, BenchScene},
 };
 
-/// Compares rays and a T-buffer.
+/// Compares rays with a T-buffer.
 #[derive(Parser, Debug)]
 #[command(name = "cargo bench -p stereotrace-studies --bench visibility --")]
 struct Arguments {
@@ -31,16 +31,16 @@ struct Arguments {
     /// Picture sizes in pixels [default: 150x150, 300x300, 600x600 and 1200x1200]
     #[arg(long, value_name = "WxH,WxH", value_parser = size, value_delimiter = ',')]
     sizes: Vec<[u32; 2]>,
-    /// Samples a pixel
+    /// Number of samples per pixel
     #[arg(long, value_name = "N", default_value_t = 1)]
     samples: u32,
-    /// Point lights
+    /// Number of point lights
     #[arg(long, value_name = "N", default_value_t = 0)]
     lights: usize,
-    /// Rounds; 0 for counts alone [default: 7]
+    /// Number of timed rounds; 0 for counts alone [default: 7]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
-    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    /// Passed by cargo when it benchmarks; without it this is a smoke run
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -91,7 +91,7 @@ fn measure(
         for round in 0..=rounds {
             for index in order(round, Visibility::ALL.len()) {
                 let views = render(renderer, &uploaded, &rig, samples, (Visibility::ALL[index], false))?;
-                // In the first round drivers compile kernels.
+                // Drivers compile kernels in the first round.
                 if round > 0 {
                     turns[index].add(&views);
                 }
@@ -127,7 +127,7 @@ fn render(
     renderer.views(scene, rig).options(&options).read().wait()
 }
 
-/// Times of one way, a round each.
+/// Times of one way, with one entry per round.
 #[derive(Default)]
 struct Turn {
     all: Vec<f64>,
@@ -144,7 +144,7 @@ impl Turn {
         sums.into_iter().for_each(|(pass, sum)| self.passes.entry(pass).or_default().push(sum));
     }
 
-    /// All passes together, and how they compare with another way's.
+    /// Formats the time of all passes, and its ratio to another way's.
     fn shown(&self, other: &Self) -> String {
         if self.all.is_empty() {
             return "- | - | -".into();

@@ -1,5 +1,5 @@
-//! The arithmetic of the bench of Adelson and Hodges 1993, which is a program without a test harness of its own, and
-//! what it counts.
+//! Tests the arithmetic and the counts of the benchmark of Adelson and Hodges 1993, which has no test harness of its
+//! own.
 #![allow(dead_code, reason = "it is tested by parts")]
 
 #[path = "../benches/adelson-hodges/closed.rs"]
@@ -29,7 +29,7 @@ fn closed_forms_are_the_rays_counted_level_by_level() {
                 assert!((counted - closed).abs() < 1e-12, "{surfaces:?} {levels:?} {lights}: {counted} {closed}");
             }
         }
-        // With five levels the paper gives a number each.
+        // The paper states one number for each kind of surface, with five levels.
         let saved = 100.0 * surfaces.saved_in_closed_form(Levels { hit: LEVELS, most: LEVELS }, 3);
         let paper: f64 = surfaces.paper().parse().unwrap();
         assert!((saved - paper).abs() < 5e-4, "{surfaces:?}: {saved}");
@@ -38,12 +38,12 @@ fn closed_forms_are_the_rays_counted_level_by_level() {
 
 #[test]
 fn totals_are_those_that_the_paper_writes_out_but_for_its_power_where_a_product_is_meant() {
-    // N((1 + S) v + 1 if v < L), and N((2^v - 1)(1 + S) + 2^v if v < L).
+    // The paper's totals are N((1 + S) v + 1 if v < L), and N((2^v - 1)(1 + S) + 2^v if v < L).
     let rays = |surfaces: Surfaces, hit, most| surfaces.rays(Levels { hit, most }, 3);
     assert_eq!([rays(Surfaces::DiffuseAndOne, 5, 5), rays(Surfaces::DiffuseAndOne, 2, 5)], [4 * 5, 4 * 2 + 1]);
     assert_eq!([rays(Surfaces::DiffuseAndTwo, 5, 5), rays(Surfaces::DiffuseAndTwo, 2, 5)], [31 * 4, 3 * 4 + 4]);
     assert_eq!([rays(Surfaces::One, 5, 5), rays(Surfaces::Two, 2, 5)], [5, 7]);
-    // As printed, with a power, the left side of its equation is not (1 - M) / L.
+    // With the printed power, the left side of the paper's equation is not (1 - M) / L.
     let power = 4.0_f64.powi(5);
     assert!(((power - (power - 4.0)) / power - 0.2).abs() > 0.19);
 }
@@ -51,7 +51,7 @@ fn totals_are_those_that_the_paper_writes_out_but_for_its_power_where_a_product_
 #[test]
 fn quanta_are_where_both_projections_of_a_point_round_to_so_many_pixels() {
     for e_px in [12.8, 22.5] {
-        // Equations 3 and 5, in pixels of a picture whose screen is d = 512 away.
+        // The shift follows equations 3 and 5, in pixels of a picture whose screen is d = 512 away.
         let d = 512.0;
         let shift = |z: f64| {
             let x = 77.0;
@@ -91,11 +91,11 @@ fn panes_send_as_many_rays_as_the_closed_forms_say_and_the_sweep_saves_that_shar
 
         let pair = renderer.pair(&uploaded, &camera).options(&options(Method::ADELSON_HODGES)).read().wait().unwrap();
         let missed = pair.source.iter().filter(|source| **source == PixelSource::Missed).count() as u64;
-        // The sky's left edge is e, that of panes at twice the screen's distance half of it.
+        // The sky's left edge is e pixels wide. For panes at twice the screen's distance it is half of that.
         let edge = if surfaces == Surfaces::Misses { 10 } else { 5 };
         assert_eq!(missed, u64::from(SIDE) * edge, "{surfaces:?}");
         let rays = rays_as_in_the_paper(&mut renderer, &scene, &camera, &pair).unwrap();
-        // Of pixels that are carried over: all but their own ray and their first hit's shadow rays.
+        // A reused pixel saves its own ray and the shadow rays of its first hit.
         let first = if surfaces.is_diffuse() { 3 } else { 1 };
         assert_eq!(rays, full - (pixels - missed) * first, "{surfaces:?}");
     }

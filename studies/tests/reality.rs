@@ -1,4 +1,4 @@
-//! The arithmetic of the bench of Raghuvanshi and Dhande, which is a program without a test harness of its own.
+//! Tests the arithmetic of the benchmark of Raghuvanshi and Dhande, which has no test harness of its own.
 #![allow(dead_code, reason = "it is tested by parts")]
 
 #[path = "../benches/reality/fits.rs"]
@@ -18,7 +18,7 @@ fn near(found: f64, wanted: f64) -> bool {
 fn lines_are_those_of_least_squares() {
     let exact = Line::through(&[(10.0, 32.0), (500.0, 1502.0), (6000.0, 18002.0)]).unwrap();
     assert!(near(exact.slope, 3.0) && near(exact.intercept, 2.0) && near(exact.r_squared, 1.0), "{exact:?}");
-    // By hand: means 1 and 2/3, products 1, squares 2; residuals -1/6, 1/3, -1/6 of a sum of squares of 2/3.
+    // By hand: means are 1 and 2/3, products 1, squares 2; residuals are -1/6, 1/3, -1/6 of a sum of squares of 2/3.
     let line = Line::through(&[(0.0, 0.0), (1.0, 1.0), (2.0, 1.0)]).unwrap();
     assert!(near(line.slope, 0.5) && near(line.intercept, 1.0 / 6.0) && near(line.r_squared, 0.75), "{line:?}");
     assert!(near(line.at(4.0), 2.0 + 1.0 / 6.0));
@@ -32,12 +32,12 @@ fn parabolas_are_those_of_least_squares() {
     assert!((exact.constant - 40.0).abs() < 1e-8 && (exact.linear + 0.02).abs() < 1e-11, "{exact:?}");
     assert!((exact.square - 3e-5).abs() < 1e-14 && near(exact.r_squared, 1.0), "{exact:?}");
     assert!(near(exact.at(3000.0), of(3000.0)));
-    // By hand, in the polynomials 1, x and (x² - 5) / 4, which are orthogonal on these places: 1 + 0.3 x + (x² - 5) /
-    // 4, and residuals of 0.1, 0.3, 0.3, 0.1 of a sum of squares of 6.
+    // By hand, in the polynomials 1, x and (x² - 5) / 4, which are orthogonal at these places: the fit is 1 + 0.3 x +
+    // (x² - 5) / 4. The residuals are 0.1, 0.3, 0.3, 0.1 of a sum of squares of 6.
     let found = Parabola::through(&[(-3.0, 1.0), (-1.0, 0.0), (1.0, 0.0), (3.0, 3.0)]).unwrap();
     assert!(near(found.constant, -0.25) && near(found.linear, 0.3) && near(found.square, 0.25), "{found:?}");
     assert!(near(found.r_squared, 1.0 - 0.2 / 6.0), "{found:?}");
-    // Where the line is best, it is the line.
+    // If a line is the best parabola, both fits agree.
     let points = [(-3.0, 0.0), (-1.0, 1.0), (1.0, 1.0), (3.0, 2.0)];
     let (parabola, line) = (Parabola::through(&points).unwrap(), Line::through(&points).unwrap());
     assert!(parabola.square.abs() < 1e-12 && near(parabola.linear, line.slope) && near(line.slope, 0.3));

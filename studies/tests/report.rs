@@ -1,4 +1,4 @@
-//! The thesis benchmark's report, which is a program without a test harness of its own.
+//! Tests the thesis benchmark's report, since the benchmark has no test harness of its own.
 #![allow(dead_code, unreachable_pub, reason = "it is tested by parts")]
 
 #[path = "../../benches/common/mod.rs"]
@@ -26,7 +26,7 @@ fn page(content: &Content, folder: &Folder) -> Result<String, Box<dyn Error>> {
     Ok(fs::read_to_string(paths.last().ok_or("no page")?)?)
 }
 
-/// Between this heading's anchor and the next one's.
+/// Returns the part of the page between this heading's anchor and the next one's.
 fn section<'a>(page: &'a str, slug: &str) -> &'a str {
     let from = page.find(&format!("<h2 id=\"{slug}\">")).map_or("", |at| &page[at..]);
     let end = from.get(1..).and_then(|rest| rest.find("<h2 ")).map_or(from.len(), |at| at + 1);
@@ -121,8 +121,8 @@ fn sources_are_shown_with_their_shares_and_records() -> Result<(), Box<dyn Error
         "<b>91.50%</b>",
         "red: shadow rays, at least one: <b>8.50%</b>",
         "<b>99.9993%</b>", // one pixel is not rounded away
-        // second eye by time and by counters, re-traced, shadow rays, differing and wrong surface, each of surfaces
-        // too, MSE
+        // The columns are: second eye by time and by counters, re-traced, shadow rays, differing and wrong surface
+        // (each of all pixels and of surfaces), MSE.
         "<tr><td>bracket</td><td>fixed spheres</td><td class=\"n\">600x600</td><td class=\"n\">0.454</td><td \
         class=\"n\">0.131</td><td \
          class=\"n\">0.63</td><td class=\"n\">58.00</td><td class=\"n\">0.01</td><td class=\"n\">0.03</td><td \
@@ -221,14 +221,14 @@ fn a_quick_look_says_that_its_figures_mean_nothing() -> Result<(), Box<dyn Error
     for smoke in [true, false] {
         let page = page(&Content { records: vec![record("atomic", 1, 99.0)], smoke, ..Content::default() }, &folder)?;
         let marks = page.matches(&SMOKE.to_uppercase()).count();
-        // The page's head, and each of its charts.
+        // The page's head and each of its charts are marked.
         assert_eq!(marks, if smoke { 1 + page.matches("<svg ").count() } else { 0 });
         assert!(page.matches("<svg ").count() > 3 && page.matches("width=\"100%\"").count() > 3);
     }
     Ok(())
 }
 
-/// Three pieces a bar; a record whose rounds took as long has bars of no length, one for each plot of times.
+/// Tests that charts of times have error bars and charts of counts have none.
 #[test]
 fn times_have_bars_and_counts_have_none() -> Result<(), Box<dyn Error>> {
     let folder = Folder::new("bars");

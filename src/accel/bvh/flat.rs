@@ -1,5 +1,5 @@
-//! A list of all primitives, which every ray traverses from the start. It stands for a classical ray tracer, as a
-//! baseline for measurements.
+//! A list of all primitives, which every ray traverses from the start. It represents a classical ray tracer and serves
+//! as a baseline for measurements.
 //!
 //! The list is stored as a tree whose boxes all enclose everything. Kernels traverse it with the same code and
 //! primitive tests as any other tree, only in another order. A leaf holds at most eight primitives, so a ray also tests

@@ -30,7 +30,7 @@ pub(crate) struct TreeShape {
     counts: [usize; 4],
     components: Arc<Vec<u32>>,
     stamps: [Stamp; 2],
-    /// Whether the tree represents a list ([`BvhBuild::Flat`]). A list is built anew instead of refitted.
+    /// Whether the tree represents a list ([`BvhBuild::Flat`]). A list is rebuilt instead of refitted.
     flat: bool,
 }
 

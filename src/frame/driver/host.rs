@@ -1,4 +1,4 @@
-//! Work of the host between steps.
+//! Work on the host between steps.
 
 use web_time::Instant;
 
@@ -17,7 +17,7 @@ impl Driver<'_> {
         }
     }
 
-    /// Runs pass 2 of `AdelsonHodges`, row after row.
+    /// Runs pass 2 of `AdelsonHodges`, row by row.
     async fn sweep(&mut self, view: usize) -> Result<(), Error> {
         let (gpu, targets, band) = (self.gpu, self.targets, self.uniforms.band(view));
         let submission = gpu.checked(|| Ok(gpu.submit([]))).await?;
@@ -36,7 +36,7 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Reprojects with the 3D buffer, as many rows at a time as fit one binding.
+    /// Reprojects with the 3D buffer. Each submission covers as many rows as fit one binding.
     async fn reproject_by_slots(&mut self, depth: BufferDepth, view: usize, steps: &[Step]) -> Result<(), Error> {
         let range = match depth {
             BufferDepth::Adaptive => self.depth_range(view).await?,
@@ -65,8 +65,8 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Returns the nearest and farthest depth of a view's source in the rows at work. The farthest is infinite if any
-    /// pixel is sky.
+    /// Returns the nearest and farthest depth of a view's source in the current rows. The farthest depth is infinite if
+    /// any pixel shows the sky.
     async fn depth_range(&mut self, view: usize) -> Result<(f32, f32), Error> {
         let band = self.uniforms.band(view);
         let words = band.row_end as usize * layout::COUNTERS;

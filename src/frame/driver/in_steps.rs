@@ -1,4 +1,4 @@
-//! A band traced in steps, so that no limit on a thread's loops can end it.
+//! Tracing of a band in steps, so that no adapter's limit on a thread's loop rounds ends the work early.
 
 use super::Driver;
 use crate::{
@@ -12,14 +12,15 @@ use crate::{
 };
 
 impl Driver<'_> {
-    /// Renders all views of a band by `Naive` in steps.
+    /// Renders all views of a band in steps, with the method `Naive`.
     pub(crate) async fn band_in_steps(&mut self, plan: &Plan, band: &Band, steps: Steps) -> Result<(), Error> {
         let usual = self.variant;
         if self.variant.shadows == Shadows::FromSurface {
-            // Its shadow rays are traced one by one, and a lane keeps the state of one traversal only.
+            // Shadow rays from surfaces are traced one by one, and a lane saves the state of only one traversal.
             self.variant.traversal.rays = RaysPerLane::One;
         }
-        // All pixels are traced, also unwanted ones, since threads without work would have to finish too.
+        // All pixels are traced, including unwanted ones. Otherwise threads without work would also have to be counted
+        // as finished.
         (self.variant.samples, self.variant.second, self.variant.masked) = (false, false, false);
         let rows = self.rows_in_steps(steps);
         if self.lanes.is_none() {
@@ -28,7 +29,7 @@ impl Driver<'_> {
             self.resources.iter_mut().for_each(|all| all.set(Resource::Steps, &lanes.buffer));
             self.lanes = Some(lanes);
         }
-        self.uniforms.set_rows(&self.eyes.sources, band); // those of the next band by now, if that is in flight
+        self.uniforms.set_rows(&self.eyes.sources, band); // the next band, if in flight, has set its rows
         let gpu = self.gpu;
         let clear = || {
             let mut encoder = self.encoder();
@@ -59,14 +60,14 @@ impl Driver<'_> {
         WORKGROUP * self.targets.shape.size[0].div_ceil(WORKGROUP * self.variant.traversal.rays.block())
     }
 
-    /// Returns the rows of a dispatch, few enough to limit its threads.
+    /// Returns the number of rows per dispatch, which limits the number of its threads.
     fn rows_in_steps(&self, steps: Steps) -> u32 {
         let block = WORKGROUP * self.variant.traversal.rays.block();
         let most = self.targets.shape.bands.rows.div_ceil(block);
         (steps.threads / WORKGROUP / self.threads_across()).clamp(1, most) * block
     }
 
-    /// Traces one view, some rows at a time, each in as many steps as it takes.
+    /// Traces one view, some rows at a time. Each group of rows takes as many steps as it needs.
     async fn view_in_steps(
         &mut self,
         band: &Band,
@@ -134,7 +135,7 @@ mod tests {
         Steps { rounds, always: true, ..Steps::default() }
     }
 
-    /// Spheres among triangles behind a fence: a checkerboard whose every other square is cut out.
+    /// Returns spheres and triangles behind a fence, a checkerboard with every other square cut out.
     fn behind_a_fence(camera: &StereoCamera) -> Scene {
         let mut scene = Builtin::Near.scene();
         let board = scene.add_texture(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 9).unwrap());
@@ -149,7 +150,7 @@ mod tests {
         scene
     }
 
-    /// A ground and a wall, under a lamp.
+    /// Returns a ground plane and a second plane as a wall, lit by a point light.
     fn planes_alone() -> Scene {
         let mut scene = Scene::new();
         for (point, normal) in [(Vec3::ZERO, Vec3::Y), (-5.0 * Vec3::Z, Vec3::new(0.3, 0.1, 1.0))] {
@@ -159,8 +160,8 @@ mod tests {
         scene
     }
 
-    /// A hall with its own lights; spheres among triangles under a gradient; lights so far away that shadow rays start
-    /// at surfaces; and planes.
+    /// Returns scenes with different primitives, lights, skies and materials. They include lights so far away that
+    /// shadow rays start at surfaces, planes only, and an empty scene.
     fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
         let far = Light::point(Vec3::new(3e5, 8e5, 2e5), Vec3::splat(0.4));
         let mut by_far_lights = Builtin::Near.scene();
@@ -192,15 +193,15 @@ mod tests {
         ]
     }
 
-    /// Returns what a frame shows and counts.
+    /// Returns a frame without its times, its memory size and the flag `in_steps`.
     fn shown(mut pair: StereoPair) -> StereoPair {
         (pair.statistics.times, pair.statistics.intermediate_bytes) = (None, 0);
         pair.statistics.in_steps = false;
         pair
     }
 
-    /// Uncertain hits are settled at the end of a step at the latest, so that boxes behind them are not visited.
-    /// Counters may therefore be slightly lower, by 0.1% as measured.
+    /// Compares the counters of two frames. Uncertain hits are resolved at the end of a step at the latest, so that
+    /// boxes behind them are not visited. Counters may therefore be slightly lower, by 0.1% as measured.
     fn assert_counts_alike(pair: &StereoPair, expected: &StereoPair, what: &str) {
         for (work, expected) in
             [(pair.statistics.left, expected.statistics.left), (pair.statistics.right, expected.statistics.right)]
@@ -220,8 +221,8 @@ mod tests {
         pair
     }
 
-    /// Compares a frame in steps of several sizes with one in a single dispatch, by a method whose steps are those of
-    /// `Naive`.
+    /// Compares frames in steps of several sizes with a frame of `Naive` in single dispatches. In steps, `bracket`
+    /// renders by the steps of `Naive`.
     fn assert_alike(name: &str, scene: &Scene, camera: &StereoCamera, renderer: &mut Renderer, costs: bool) {
         let occlusion = name.ends_with("occluded").then(|| AmbientOcclusion::new(5, 1.0));
         let sky_rays = name.ends_with("sun").then_some(5);
@@ -273,7 +274,7 @@ mod tests {
         let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         let info = renderer.gpu.adapter_info();
         if info.driver != "llvmpipe" {
-            return; // nothing bounds its loops
+            return; // only llvmpipe limits loop rounds
         }
         assert!(pair.statistics.in_steps);
         renderer.steps = in_steps_of(1 << 30);

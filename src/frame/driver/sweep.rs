@@ -1,8 +1,8 @@
-//! Adelson & Hodges' sweep on the host, pixel after pixel (thesis, 2.3).
+//! Adelson & Hodges' sweep on the host, pixel by pixel (thesis, 2.3).
 
 use crate::kernel::layout::Eyes;
 
-/// Returns the target's column where sample `column` at depth `z` lands, which may lie outside the picture.
+/// Returns the target's column on which the sample in `column` at depth `z` lands. It may lie outside the picture.
 fn landing(eyes: &Eyes, column: usize, z: f32) -> i32 {
     let parallax = eyes.parallax_px * (eyes.at_infinity - eyes.parallax_distance / z);
     (column as f32 + 0.5 + parallax).clamp(-1e9, 1e9).floor() as i32
@@ -11,9 +11,9 @@ fn landing(eyes: &Eyes, column: usize, z: f32) -> i32 {
 /// Returns for each target pixel the key of its sample, or 0 if it must be traced. A key is the position of the
 /// sample's column in the sweep, from 1 on.
 ///
-/// For a target on the right each row is swept from left to right. A later sample overwrites. If two neighbours land
-/// more than one column apart, the columns strictly between lie in a gap and are cleared. Columns past the last sample
-/// are cleared too (DESIGN, section 4). For a target on the left all is mirrored.
+/// For a target on the right, each row is swept from left to right, and later samples overwrite earlier ones. If two
+/// neighbours land more than one column apart, the columns strictly between lie in a gap and are cleared. Columns past
+/// the last sample are cleared too (DESIGN, section 4). For a target on the left, left and right are exchanged.
 pub(crate) fn sweep(eyes: &Eyes, width: usize, source_depth: &[f32]) -> Vec<u32> {
     let mirrored = eyes.parallax_px < 0.0;
     let clear_between = |row: &mut [u32], after: i32, before: i32| {

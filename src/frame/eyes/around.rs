@@ -1,6 +1,6 @@
-//! Eyes on a circle, whose rays are its tangents, all around (Ishiguro 1992; Peleg & Ben-Ezra 1999). Only `naive`
-//! renders them, for a test of what another camera touches: this file, and the sections `camera is around` of
-//! camera.wgsl.
+//! Omnidirectional eyes on a circle, whose rays are tangents of the circle (Ishiguro 1992; Peleg & Ben-Ezra 1999). Only
+//! `naive` renders them, in a test. The test shows that a further camera model needs only this file and the sections
+//! `camera is around` of camera.wgsl.
 
 use std::f32::consts::{PI, TAU};
 
@@ -8,8 +8,8 @@ use glam::Vec3;
 
 use crate::{kernel::layout, view::rig::Eyes};
 
-/// Returns the uniform of a view. `target_eye` is the circle's centre, `shift` its radius, negative for a left eye. A
-/// picture of w x h pixels has columns of `step_x.x` and rows of `step_y.y` radians.
+/// Returns the uniform of a view. `target_eye` is the circle's centre, and `shift` is its radius, negative for a left
+/// eye. A picture of w x h pixels has columns of `step_x.x` radians and rows of `step_y.y` radians.
 pub(super) fn uniform(eyes: &Eyes, view: usize) -> layout::Eyes {
     let [width, height] = eyes.pose.size.map(|side| side as f32);
     layout::Eyes {

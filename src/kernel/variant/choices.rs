@@ -1,4 +1,4 @@
-//! The choices for a kernel's WGSL, and the constants before its text.
+//! Choices of WGSL sections for a kernel, and the constants at the beginning of its text.
 
 use super::{Shadows, SkyKind, SoftRole, TexelPlaces, Variant, light_texels, material_texels};
 use crate::{
@@ -11,7 +11,7 @@ use crate::{
 };
 
 impl Kernel {
-    /// Returns a value for each choice of shared WGSL.
+    /// Returns the value of each choice in shared WGSL.
     pub(crate) fn choices(&self, with: &Variant) -> [Choice; 30] {
         let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
@@ -37,7 +37,7 @@ impl Kernel {
             SkyKind::Map => "map",
         };
         let shadows = match with.shadows {
-            _ if (primitives == "none" && with.planes == 0) || !with.lights => "none", // points among them
+            _ if (primitives == "none" && with.planes == 0) || !with.lights => "none", // no occluders or no lights
             Shadows::None => "none",
             Shadows::FromLight => "from_light",
             Shadows::FromSurface => "from_surface",
@@ -96,7 +96,7 @@ impl Kernel {
             ("planes", if with.planes > 0 { "some" } else { "none" }),
             ("cutouts", if with.cutouts { "some" } else { "none" }),
             ("texels", texels),
-            // Spheres alone take as many texels as triangles without vertex normals.
+            // Scenes with spheres only have as many texels per primitive as triangles without vertex normals.
             ("normals", if smooth { "smooth" } else { "flat" }),
             ("boxes", boxes),
             ("canvas", canvas),
@@ -125,7 +125,7 @@ impl Kernel {
         ]
     }
 
-    /// Links the text for the driver.
+    /// Links the text that the driver compiles.
     pub(crate) fn linked(&self, with: &Variant) -> Linked {
         let with = &with.of_role(self.role);
         let Linked { text, bindings } = wgsl::linked(self.main, &self.choices(with));
@@ -134,12 +134,13 @@ impl Kernel {
         Linked { text: constants + &text, bindings }
     }
 
-    /// Returns the constants that shared WGSL may use: name, type and value.
+    /// Returns the name, type and value of each constant that shared WGSL may use.
     fn constants(&self, with: &Variant) -> Vec<(&'static str, &'static str, String)> {
-        // Six samples are compared by their normals; two have room for an occluder.
+        // With `Two`, a sample's second word holds an occluder, unless it holds shares. With `Block`, it holds the
+        // sample's own slot, since the six samples are compared by their normals.
         let shares = with.shares && with.is_soft();
         let TexelPlaces { uv, colors, count } = with.texel_places();
-        // Mirrored surfaces need fewer rays.
+        // Soft light in mirrored surfaces is sampled by a quarter of the rays.
         let fewer = if self.role.does().follows { 4 } else { 1 };
         let [shadow_rays, occlusion_rays] = [with.shadow_rays, with.occlusion_rays].map(|rays| rays.div_ceil(fewer));
         let flag = |name, value: bool| (name, "bool", value.to_string());

@@ -6,7 +6,7 @@ fn part(text: &'static str) -> Part {
     Part { file: "some.wgsl", text }
 }
 
-/// Returns the names that the first definition of a text uses, without WGSL's own words.
+/// Returns the names that the first definition of a text uses, without keywords and types of WGSL.
 fn uses(text: &'static str) -> Vec<&'static str> {
     let mut used = definitions(part(text)).remove(0).uses;
     used.retain(|word| !["case", "const", "fn", "let", "return", "struct", "switch", "u32", "var"].contains(word));
@@ -62,7 +62,7 @@ fn every_line_of_a_text_is_told_by_file_and_line() {
     assert!(text.contains("fn pixel_index") && !text.contains("struct Pixel"));
 }
 
-/// A misspelt marker would be a comment.
+/// The linker does not report a misspelt marker.
 #[test]
 fn markers_stand_in_shared_files_and_are_whole() {
     for (line, file) in SHARED.iter().flat_map(|part| part.text.lines().map(|line| (line, part.file))) {

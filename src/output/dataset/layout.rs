@@ -59,7 +59,7 @@ impl Layout {
     /// Adds all files of a pair to a batch, and creates their folders.
     ///
     /// # Errors
-    /// [`Error::Options`] for cameras that are not parallel in a layout that requires it, for toed-in eyes, and in
+    /// [`Error::Options`] for cameras that are not parallel in a layout that requires it; for toed-in eyes; and in
     /// Middlebury's layout for a negative disparity. [`Error::Io`] as [`Batch::add`], as [`Batch::add_kitti_disparity`]
     /// for a disparity that does not fit, and in Scene Flow's layout for an id over `2^24 - 1`.
     pub fn add(

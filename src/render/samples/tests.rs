@@ -1,4 +1,4 @@
-//! Compares unfiltered samples with plain Rust and with `Naive`.
+//! Compares unfiltered samples with the CPU reference and with `Naive`.
 
 use crate::blocking::Wait;
 use glam::Vec3;
@@ -15,12 +15,12 @@ use crate::{
 fn renderer() -> Renderer {
     let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
     let mut renderer = Renderer::new(Gpu::open(wanted).wait().unwrap());
-    // Several bands even for small pictures.
+    // Even small pictures have several bands.
     renderer.band_pixels = 64 * 64;
     renderer
 }
 
-/// Returns triangles and balls in the unit cube, each with its own colour and unlit, so that a colour identifies the
+/// Returns triangles and spheres in the unit cube, each with its own colour and unlit, so that a colour identifies the
 /// hit.
 fn colored(seed: u32, triangles: usize, balls: usize) -> Scene {
     let mut random = Random::new(seed);
@@ -47,7 +47,7 @@ fn camera(width: u32, height: u32) -> StereoCamera {
         .interaxial_pixels(width as f32 / 12.0)
 }
 
-/// Returns the jittered samples of all views, `side` a side of a pixel, whether traced or reused.
+/// Returns the jittered samples of all views, `side` per side of a pixel, whether traced or reused.
 fn samples(renderer: &mut Renderer, scene: &Scene, eyes: &Eyes, side: u32, options: &Options) -> Vec<ViewRows> {
     let uploaded = renderer.upload(scene).wait().unwrap();
     let finer = eyes.with_samples(side).unwrap();
@@ -62,7 +62,7 @@ fn samples(renderer: &mut Renderer, scene: &Scene, eyes: &Eyes, side: u32, optio
     views
 }
 
-/// Returns the hits of samples, in the form of the twins.
+/// Returns the hits of samples, in the form of the CPU reference.
 fn hits(rows: &ViewRows) -> Vec<(f32, u32)> {
     rows.view.depth.iter().map(|depth| depth.min(FAR)).zip(rows.view.primitive.iter().copied()).collect()
 }
@@ -78,7 +78,7 @@ fn jittered_samples_hit_what_plain_rust_hits_and_land_where_a_sequential_sweep_p
     let exact = is_exact(&renderer);
     let scenes = [colored(1, 120, 0), colored(2, 0, 40), colored(3, 60, 20)];
     for (scene, (side, seed)) in scenes.iter().zip([(2, 0), (3, 5), (4, 77)]) {
-        // Both ways: for an eye on the right, and for one on the left.
+        // Tests both directions: an eye on the right, and an eye on the left.
         for offsets in [[-0.5, 0.5], [0.5, -0.5]] {
             let pose = camera(33, 25).pose().unwrap();
             let eyes = Eyes { offsets: offsets.to_vec(), ..Eyes::pair(&pose) };
@@ -140,8 +140,8 @@ fn jittered_shadow_bits_are_taken_over_as_plain_rust_does() {
     }
 }
 
-/// Scenes of triangles and balls, large ones and some smaller than a sample, and of wires and slats. Hits must agree,
-/// and with all shadow rays the picture too.
+/// Tests scenes of triangles and spheres, some large and some smaller than a sample, and of wires and slats. Hits must
+/// agree. If all shadow rays are traced, the picture must agree too.
 #[test]
 fn what_jittered_samples_see_by_bracket_is_naive_s_to_the_last_bit() {
     let mut renderer = renderer();
@@ -157,7 +157,7 @@ fn what_jittered_samples_see_by_bracket_is_naive_s_to_the_last_bit() {
                 samples(&mut renderer, &scene, &eyes, side, &Options::new(method).seed(side).count(count))
             };
             let naive = of(Method::Naive, false);
-            // Counting kernels have one ray a lane, which tests only the primitives that may cover its own sample.
+            // Counting kernels have one ray per lane, which tests only the primitives that may cover its own sample.
             let methods = [Method::BRACKET_RAYS, Method::BRACKET, Method::VERIFIED].map(|method| (method, false));
             for (method, count) in methods.into_iter().chain([(Method::BRACKET_RAYS, true)]) {
                 let found = of(method, count);

@@ -5,23 +5,23 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-/// Texels kept on each side around a scene's directions.
+/// Number of texels kept on each side around a scene's directions.
 const BORDER: f64 = 2.0;
 /// Minimum number of rows for a table that is fitted to the scene. A smaller table covers all directions.
 const LEAST_ROWS: u32 = 16;
-/// A scene that extends farther than this angle from its middle, in radians, has a table of all directions.
+/// Maximum angle between the middle and the edge of a scene, in radians. A wider scene has a table of all directions.
 const WIDEST: f64 = 80.0 * PI / 180.0;
 
 /// Directions of the texels in a light's shadow-buffer. Texel (r, c) extends from r to r + 1 in rows and from c to c +
-/// 1 in columns. Its direction is that of its middle.
+/// 1 in columns. Its direction is the direction of its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Mapping {
     /// Unit vectors of the angles: phi = 0, phi = pi/2, and the pole at theta = 0.
     pub axes: [Vec3; 3],
-    /// Theta at the begin of the first row, and the angle of a row, radians.
+    /// Theta at the begin of the first row, and the angle of a row, in radians.
     pub theta: [f32; 2],
-    /// Phi at the begin of the first column, and the angle of a column, radians.
+    /// Phi at the begin of the first column, and the angle of a column, in radians.
     pub phi: [f32; 2],
     /// Number of rows that are filled.
     pub rows: u32,
@@ -30,15 +30,16 @@ pub struct Mapping {
 }
 
 impl Mapping {
-    /// Makes a table of all directions around the world's z axis, as in the paper, with twice as many columns as rows.
+    /// Creates a table of all directions around the world's z axis, as in the paper, with twice as many columns as
+    /// rows.
     pub fn whole(rows: u32) -> Self {
         let step = (PI / f64::from(rows)) as f32;
         Self { axes: [Vec3::X, Vec3::Y, Vec3::Z], theta: [0.0, step], phi: [0.0, step], rows, columns: 2 * rows }
     }
 
-    /// Makes a table of the directions from the light to a box outside of which it stands. The table has at most `rows`
-    /// rows and twice as many columns. It is finer than [`Mapping::whole`], which is returned if the box surrounds the
-    /// light, or nearly.
+    /// Creates a table of the directions from the light to a box that does not contain the light. The table has at most
+    /// `rows` rows and twice as many columns. It is finer than [`Mapping::whole`], which is returned if the box
+    /// surrounds the light, or nearly does.
     pub fn around(light: Vec3, (low, high): (Vec3, Vec3), rows: u32) -> Self {
         let whole = Self::whole(rows);
         if rows < LEAST_ROWS {
@@ -52,7 +53,7 @@ impl Mapping {
             .unwrap_or(whole)
     }
 
-    /// Makes a table with the box's middle on the equator, so that texels are nearly square, and with a pole as near to
+    /// Creates a table with the box's middle on the equator, so that texels are nearly square. A pole is as near to
     /// `up` as possible.
     fn fitted(light: Vec3, (low, high): (Vec3, Vec3), up: Vec3, rows: u32) -> Option<Self> {
         let light = light.as_dvec3();

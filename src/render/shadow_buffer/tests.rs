@@ -10,7 +10,7 @@ use crate::{
     testing::cpu::{intersect::closest_hit, shadow_buffer::fill},
 };
 
-/// Tolerance of t at grazing rays, relative to t. A texel's direction is rounded differently on the device, whose sine
+/// Tolerance of t for grazing rays, relative to t. The device rounds a texel's direction differently, since its sine
 /// may differ from the host's.
 const GRAZING: f32 = 1e-3;
 
@@ -78,8 +78,8 @@ fn tables_of(renderer: &Renderer, uploaded: &UploadedScene, rows: u32, rule: Sha
     pollster::block_on(renderer.shadow_tables(uploaded, &options)).unwrap().unwrap().0
 }
 
-/// Returns how many texels of all lights show another primitive than brute force finds, and the number of all. Asserts
-/// t.
+/// Returns the number of texels of all lights that show another primitive than brute force finds, and the number of all
+/// texels. Asserts that t agrees.
 fn differing(renderer: &Renderer, scene: &Scene, rows: u32, rule: ShadowRule) -> (usize, usize) {
     let uploaded = renderer.upload(scene).wait().unwrap();
     let tables = tables_of(renderer, &uploaded, rows, rule);
@@ -96,7 +96,7 @@ fn differing(renderer: &Renderer, scene: &Scene, rows: u32, rule: ShadowRule) ->
                     let [row, column] = middle.map(|place| f64::from(place) + 0.5);
                     let direction = layer.mapping.direction(row, column).as_vec3();
                     let plane = Vec3::from_array([x, y, z].map(f32::from_bits));
-                    // A ball's hit is not on the plane of its outline.
+                    // The hit on a sphere does not lie on the plane of the sphere's outline.
                     let is_flat = (id as usize) < scene.triangles().len()
                         || id as usize >= scene.triangles().len() + scene.spheres().len();
                     let t = if is_flat { 1.0 / plane.dot(direction) } else { truth };
@@ -122,14 +122,14 @@ fn every_texel_has_the_nearest_hit_along_its_middle() {
     let renderer = renderer();
     for (planes, rows) in [(false, 24), (true, 17), (false, 1), (true, 2), (false, 50)] {
         let mut scene = scene(planes, 5 + rows);
-        // Within the scene, in a sphere's centre, and outside of it.
+        // The lights are inside the scene, at a sphere's centre, and outside the scene.
         let within = scene.spheres()[3].center;
         for position in [Vec3::new(0.1, 0.2, -0.3), within, Vec3::new(9.0, 4.0, -7.0), Vec3::new(0.0, 30.0, 0.0)] {
             scene.lights.push(Light::point(position, Vec3::ONE));
         }
         for rule in [ShadowRule::Object, ShadowRule::HYBRID] {
             let (differing, all) = differing(&renderer, &scene, rows, rule);
-            // Allows for rays that pass an edge within rounding.
+            // The tolerance allows for rays that pass an edge within rounding.
             assert!(differing * 500 <= all, "{rows} rows: {differing} of {all} texels");
         }
     }
@@ -162,7 +162,8 @@ fn tables_that_are_drawn_in_bands_are_whole() {
     }
 }
 
-/// Brute force finds nothing before the plane of an unmarked texel, except the ball whose outline lies on it.
+/// Brute force finds nothing in front of the plane of an unmarked texel. The exception is the sphere whose outline lies
+/// on the plane.
 #[test]
 fn nothing_stands_before_what_an_unmarked_texel_shows() {
     let renderer = renderer();
@@ -199,7 +200,7 @@ fn nothing_stands_before_what_an_unmarked_texel_shows() {
     println!(
         "texels that are not marked, that are, and of these those that were seen to be so rightly, by light: {counts:?}"
     );
-    // Skips the light inside a sphere. The sphere has no plane for it, so everything outside the sphere is marked.
+    // The light inside a sphere is skipped. The sphere has no plane for it, so everything outside the sphere is marked.
     for [unmarked, marked, rightly] in [counts[0], counts[2], counts[3]] {
         assert!(unmarked > 10 * marked && 8 * rightly > marked);
     }
@@ -268,8 +269,8 @@ fn lights_that_have_no_table_are_left_out() {
     );
 }
 
-/// Lists of the hybrid rule hold primitives that touch a texel, lists of the others those that cover its middle. The
-/// hits at middles are the same.
+/// The lists of the hybrid rule hold primitives that touch a texel. The lists of the other rules hold primitives that
+/// cover the texel's centre. The hits at texel centres are the same.
 #[test]
 fn rules_show_the_same_primitives() {
     let renderer = renderer();

@@ -12,10 +12,11 @@ use crate::{MaterialId, Mesh, Scene, Sky, StereoCamera, random::pcg};
 
 /// x of the rows of columns in metres; the outermost are engaged in the walls.
 const ROWS: [f32; 6] = [-12.0, -7.6, -3.2, 3.2, 7.6, 12.0];
-/// Distance of a row's columns along z. The first line across the hall, at z = 0, is in the wall behind the camera.
+/// Distance between columns of a row along z. The first line across the hall, at z = 0, is in the wall behind the
+/// camera.
 const BAY: f32 = 4.4;
 const BAYS: usize = 10;
-/// Height of the capitals' tops, where the arches spring, and the vaults' height above it.
+/// Height of the capitals' tops, where the arches spring, and height of the vaults above them.
 const SPRINGING: f32 = 4.7;
 const RISE: f32 = 2.8;
 
@@ -98,7 +99,7 @@ pub(crate) fn scene() -> Scene {
     with_floor(|floor| floor)
 }
 
-/// Builds the scene with a changed floor.
+/// Builds the scene with a changed floor. `change` is applied to the floor's mesh.
 pub(crate) fn with_floor(change: impl Fn(Mesh) -> Mesh) -> Scene {
     let mut scene = Scene::new();
     let stone = Stone::new(&mut scene);
@@ -117,7 +118,7 @@ pub(crate) fn with_floor(change: impl Fn(Mesh) -> Mesh) -> Scene {
     vaults(&mut scene, &stone);
     banners(&mut scene, &stone);
     furniture(&mut scene, &stone);
-    // Rays only leave the hall through rounding at a seam.
+    // Rays leave the hall only through rounding at a seam.
     scene.sky = Sky::Constant(Vec3::new(0.3, 0.26, 0.2));
     scene.ambient = Some(Vec3::splat(0.15));
     scene.lights = vec![
@@ -144,7 +145,7 @@ fn floor(stone: &Stone) -> Shape {
     floor
 }
 
-/// Adds walls up to behind the vaults, with a painted dado below.
+/// Adds walls that reach behind the vaults, with a painted dado below.
 fn walls(scene: &mut Scene, stone: &Stone) {
     const DADO: f32 = 1.1;
     let (left, right) = (ROWS[0], ROWS[ROWS.len() - 1]);
@@ -162,7 +163,7 @@ fn walls(scene: &mut Scene, stone: &Stone) {
     }
 }
 
-/// Adds plinth, base, fluted shaft, capital and impost, up to the arches' springing.
+/// Adds plinth, base, fluted shaft, capital and impost, up to the height where the arches spring.
 fn column(shape: &mut Shape, stone: &Stone, shaft: MaterialId) {
     const AROUND: usize = 26;
     const BASE_TOP: f32 = 0.62;
@@ -278,7 +279,7 @@ fn banner(name: String, corner: Vec3, across: Vec3, drop: f32, cloth: MaterialId
     shape
 }
 
-/// Adds a carpet that leads to steps and a round window at the far end, with urns beside it.
+/// Adds a carpet that leads to steps and a round window at the far end, with urns beside the carpet.
 fn furniture(scene: &mut Scene, stone: &Stone) {
     let far = row_z(BAYS);
     add(scene, carpet(stone, far));
@@ -354,7 +355,7 @@ fn urn(stone: &Stone, line: usize, side: f32) -> Shape {
     let mut urn = Shape::new(format!("urn {line} {}", if side < 0.0 { "left" } else { "right" }), at);
     urn.cuboid(Vec3::new(-0.28, -0.1, -0.28), Vec3::new(0.28, 0.55, 0.28), stone.trim);
     urn.cuboid(Vec3::new(-0.33, 0.54, -0.33), Vec3::new(0.33, 0.63, 0.33), stone.trim);
-    // The profile goes from the foot over the belly to the neck and the lip.
+    // The profile rises from the foot over the belly to the neck and the lip.
     let profile = |t: f32| Vec2::new(0.12 + 0.17 * (PI * t.powf(0.8)).sin().powi(2) + 0.1 * t.powi(6), 0.62 + 0.75 * t);
     urn.lathe([32, 20], profile, |_, row| if row == 9 || row == 15 { stone.gold } else { stone.bronze });
     urn

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use super::hall;
 use crate::{Finish, LightShape, Material, MaterialId, Mesh, Scene, Sphere, Texture, TextureId, random::pcg};
 
-/// Side of a marble picture on the floor in metres, and in pixels.
+/// Side of a marble picture on the floor, in metres and in pixels.
 const SLAB: f32 = 3.2;
 const SIDE: u32 = 256;
 /// Radius of a lamp's globe in metres.
@@ -27,7 +27,7 @@ pub(crate) fn hall() -> Scene {
     scene
 }
 
-/// Adds texture coordinates, as seen from above.
+/// Adds texture coordinates by projection from above.
 fn with_uv(floor: Mesh) -> Mesh {
     let corner = |place: u32| {
         let at = floor.positions[place as usize];

@@ -14,7 +14,7 @@ const SQUARE_SIDE: f32 = 1.5;
 /// Longest semi-axis, as a share of the side of the cube that each object has on average. Objects fill a tenth of the
 /// box at any count.
 const LONGEST: f32 = 0.36;
-/// Number of tries for a free place. After these an object may overlap another.
+/// Number of attempts to find a free place. After these an object may overlap another.
 const TRIES: usize = 2000;
 
 /// A random scene: `count` spheres and ellipsoids with random rotations, which fill a box over a checkerboard.
@@ -34,8 +34,8 @@ pub struct RandomObjects {
     pub seed: u32,
     /// Share of spheres, 0 to 1; their number is exact up to rounding. The rest are ellipsoids.
     pub sphere_share: f32,
-    /// Share of mirrors. Mirrors and glass make up 0 to 1 together; the rest are diffuse. The materials' names are
-    /// `reflective`, `refractive` and `diffuse`.
+    /// Share of mirrors. Mirrors and glass make up 0 to 1 together; the other objects are diffuse. The materials' names
+    /// are `reflective`, `refractive` and `diffuse`.
     pub reflective_share: f32,
     /// Share of glass objects, see `reflective_share`.
     pub refractive_share: f32,
@@ -59,7 +59,7 @@ impl RandomObjects {
         self
     }
 
-    /// Builds the scene. It is the same each time. The objects' places do not depend on the shares of materials.
+    /// Builds the scene. Each call gives the same scene. The objects' places do not depend on the shares of materials.
     pub fn scene(self) -> Scene {
         const PALETTE: [[u8; 3]; 8] = [
             [200, 60, 60],
@@ -91,7 +91,7 @@ impl RandomObjects {
                 id
             })
         });
-        // The seed is hashed. Otherwise neighbouring seeds would share all numbers but one.
+        // The seed is hashed. Otherwise consecutive seeds would share all numbers but one.
         let mut random = Random(crate::random::pcg(self.seed));
         let spheres = (self.sphere_share.clamp(0.0, 1.0) * self.count as f32).round() as usize;
         let mut placed = Vec::with_capacity(self.count);
@@ -141,7 +141,7 @@ impl RandomObjects {
     }
 }
 
-/// Returns the camera of these scenes. Its interaxial is that of the other built-in scenes.
+/// Returns the camera of these scenes. Its interaxial is the same as in the other built-in scenes.
 pub(crate) fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 4.2, 13.0), Vec3::new(0.0, 2.3, 0.0))
         .screen_distance(12.0)

@@ -1,4 +1,4 @@
-//! Triangle shapes for the scenes in code.
+//! Triangle shapes for scenes built in code.
 
 use std::f32::consts::{PI, TAU};
 
@@ -6,8 +6,8 @@ use glam::{Vec2, Vec3};
 
 use crate::{MaterialId, Mesh};
 
-/// Offset of tangents into a patch, and their length, as shares of the patch. The offset keeps creases between patches
-/// sharp and gives edges that shrink to a point a normal.
+/// Start of the tangents within a patch, and their length, as shares of the patch. The offset keeps creases between
+/// patches sharp. It also gives a normal to edges that shrink to a point.
 const TANGENT_START: f32 = 0.02;
 const TANGENT_STEP: f32 = 0.05;
 

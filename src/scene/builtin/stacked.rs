@@ -9,9 +9,9 @@ use crate::{MaterialId, Mesh, Scene, Sky, Sphere, StereoCamera};
 
 /// Half the side of the square that the stack fills, in the plane z = 0.
 const HALF_SIDE: f32 = 1.0;
-/// Distance of the eyes from that plane, where the screen is.
+/// Distance of the eyes from the stack's plane, where the screen is.
 const EYE_DISTANCE: f32 = 6.0;
-/// Distance of rows of spheres, in radii. Spheres lie in the gaps of the row below.
+/// Distance between rows of spheres, in radii. Spheres lie in the gaps of the row below.
 const ROW_STEP: f32 = 1.732_050_8;
 /// Rotation of triangles about their upright axes in radians, alternately to both sides. A flat sheet would have no
 /// shadows.
@@ -28,8 +28,8 @@ pub enum StackedKind {
     Triangles,
 }
 
-/// A stack of equal objects in rows from the ground up. They are as large as a square view permits: the more there are,
-/// the smaller. One lamp stands in front of them, above and to the left, so that they cast shadows on each other.
+/// A stack of equal objects in rows from the ground up. They are as large as a square view permits, so a larger number
+/// makes them smaller. One lamp in front of them, above and to the left, makes them cast shadows on each other.
 ///
 /// ```
 /// use stereotrace::scene::builtin::{StackedKind, StackedObjects};
@@ -53,7 +53,8 @@ impl StackedObjects {
         Self { count, kind }
     }
 
-    /// Builds the scene. It is the same each time. Objects are ordered from the bottom up, each row from left to right.
+    /// Builds the scene. Each call gives the same scene. Objects are ordered from the bottom up, and each row from left
+    /// to right.
     pub fn scene(self) -> Scene {
         const PALETTE: [[u8; 3]; 7] = [
             [205, 66, 60],
@@ -79,8 +80,8 @@ impl StackedObjects {
         scene
     }
 
-    /// Returns a camera whose picture the stack fills if it is square. In other pictures the stack fills a square in
-    /// the middle.
+    /// Returns a camera whose picture the stack fills if the picture is square. In other pictures the stack fills a
+    /// square in the middle.
     pub fn camera(self, width: u32, height: u32) -> StereoCamera {
         let aspect = (width as f32 / height.max(1) as f32).max(1.0);
         StereoCamera::look_at(EYE_DISTANCE * Vec3::Z, Vec3::ZERO)
@@ -112,7 +113,7 @@ impl Rows {
         })
     }
 
-    /// Does the same for triangles; neighbours in a row are half a side apart.
+    /// Returns the rows of the largest triangles that fit the square. Neighbours in a row are half a side apart.
     fn of_triangles(count: usize) -> Self {
         Self::largest(count, |rows| {
             let columns = count.div_ceil(rows);
@@ -130,7 +131,7 @@ impl Rows {
     }
 }
 
-/// Adds the sphere at an index from the bottom up. Even rows are complete, odd ones have one sphere less.
+/// Adds the sphere at an index from the bottom up. Even rows are complete; odd rows have one sphere less.
 fn add_sphere(scene: &mut Scene, Rows { columns, rows, half: radius }: Rows, index: usize, material: MaterialId) {
     let two_rows = (2 * columns - 1).max(1);
     let (row, column) = match index % two_rows {
@@ -200,7 +201,7 @@ mod tests {
         }
     }
 
-    /// Compares the share of the square that the spheres' discs cover, computed from their areas.
+    /// Computes the share of the square that the spheres' discs cover, from their areas.
     #[test]
     fn the_more_balls_the_fuller_the_square() {
         let share = |count: usize| count as f32 * PI * Rows::of_spheres(count).half.powi(2) / (2.0 * HALF_SIDE).powi(2);

@@ -1,4 +1,4 @@
-//! Four scenes that are hard for stereo methods, on one stage.
+//! Four scenes that are hard for stereo methods, on a common stage.
 
 use std::f32::consts::PI;
 
@@ -17,15 +17,15 @@ use crate::{
 pub(crate) const EYE: Vec3 = Vec3::new(0.0, 2.13, 0.0);
 pub(crate) const SCREEN: f32 = 8.0;
 pub(crate) const WALL: f32 = 12.0;
-/// Width of the screen rectangle over its distance. It replaces a field of view, so that the interaxial in world units
-/// is the same in every picture.
+/// Ratio of the screen's width to its distance. It replaces a field of view, so that the interaxial in world units is
+/// the same in every picture.
 pub(crate) const WIDTH: f32 = 1.0;
 
 pub(crate) fn camera() -> StereoCamera {
     StereoCamera::look_at(EYE, EYE - Vec3::Z).screen_distance(SCREEN).screen_width(WIDTH * SCREEN)
 }
 
-/// Returns the same view, with the screen distance that the near sphere relates to.
+/// Returns the same view, with the screen distance of the near scene.
 pub(crate) fn near_camera() -> StereoCamera {
     StereoCamera::look_at(EYE, EYE - Vec3::Z).screen_distance(NEAR_SCREEN).screen_width(WIDTH * NEAR_SCREEN)
 }
@@ -113,8 +113,8 @@ pub(crate) fn hidden() -> Scene {
     board.cuboid(Vec3::new(-1.3, -0.1, -0.05), Vec3::new(EDGE, 3.4, 0.0), board_color);
     add(&mut scene, board);
 
-    // Only the right eye sees between the points where the lines from the eyes over the board's edge meet the pillar's
-    // plane.
+    // The lines from the eyes over the board's edge meet the pillar's plane at two points. Only the right eye sees
+    // between them.
     let behind = |eye: f32| eye + (EDGE - eye) * PILLAR / BOARD;
     let [right_limit, left_limit] = [behind(0.5 * INTERAXIAL), behind(-0.5 * INTERAXIAL)];
     let center = right_limit.midpoint(left_limit);
@@ -125,7 +125,7 @@ pub(crate) fn hidden() -> Scene {
     scene
 }
 
-/// Distance of the screen in the near scene, and its ratio to the distance of the sphere's front.
+/// Screen distance of the near scene, and its ratio to the distance of the sphere's front.
 const NEAR_SCREEN: f32 = 7.0;
 pub(crate) const NEAR_FACTOR: f32 = 7.0;
 

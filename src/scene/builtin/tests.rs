@@ -1,4 +1,4 @@
-//! Tests the built-in scenes' views for each eye, by ray casting with a separate tree.
+//! Tests of the built-in scenes' views for each eye, by ray casts with a separate tree.
 
 use std::{collections::BTreeSet, time::Duration};
 
@@ -66,7 +66,7 @@ impl Caster {
             let root = b * b - a * (to.length_squared() - sphere.radius * sphere.radius);
             return (root >= 0.0).then(|| (-b - root.sqrt()) / a).filter(|t| *t > 0.0);
         };
-        // Möller and Trumbore 1997.
+        // Intersection test of Möller and Trumbore 1997.
         let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
         let (to, direction) = (origin.as_dvec3() - a, direction.as_dvec3());
         let normal = direction.cross(c - a);
@@ -81,7 +81,7 @@ impl Caster {
         (0..height).flat_map(move |j| (0..width).map(move |i| (i, j)))
     }
 
-    /// Returns depth and object name of an eye's visible points, without pixels that hit nothing.
+    /// Returns the depth and object name of each of an eye's visible points. Pixels without a hit are left out.
     fn visible(&self, side: f32) -> Vec<(f32, &str)> {
         let nearest = self.pixels().filter_map(|(i, j)| self.hits(side, i, j).first().copied());
         nearest.map(|(depth, primitive)| (depth, self.name(primitive))).collect()
@@ -91,13 +91,13 @@ impl Caster {
         self.scene.object_name(self.scene.object_of(primitive))
     }
 
-    /// Returns the depth of both eyes' nearest pixel, over the screen's distance.
+    /// Returns the ratio of the smallest depth in both eyes' pictures to the screen's distance.
     fn nearest_ratio(&self) -> f32 {
         let depths = [LEFT, RIGHT].into_iter().flat_map(|side| self.visible(side));
         depths.map(|(depth, _)| depth).fold(f32::INFINITY, f32::min) / self.pose.screen_distance
     }
 
-    /// Returns how many pixels of an eye show an object whose name has this prefix.
+    /// Returns the number of an eye's pixels that show an object whose name has this prefix.
     fn count(&self, side: f32, prefix: &str) -> usize {
         self.visible(side).iter().filter(|(_, name)| name.starts_with(prefix)).count()
     }

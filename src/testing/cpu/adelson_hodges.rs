@@ -1,4 +1,4 @@
-//! Adelson & Hodges' sweep, sequentially: the method itself, and the twin of
+//! The sweep of Adelson and Hodges, sequentially. It is both the method itself and the twin of
 //! `shaders/reproject/reproject_scanline.wgsl`.
 
 use super::{
@@ -11,12 +11,12 @@ pub fn landing(frame: &Frame, column: usize, z: f32) -> i32 {
     landing_x(frame, column, z).clamp(-1e9, 1e9).floor() as i32
 }
 
-/// Returns for each target pixel the key of its sample, or 0 if it must be traced. A key is the position of the
-/// sample's column in the sweep, from 1 on.
+/// Returns the key of each target pixel's sample, or 0 if the pixel must be traced. A key is the position of the
+/// sample's column in the sweep, from 1.
 ///
-/// For a target on the right each row is swept from left to right. A later sample overwrites. If two neighbours land
-/// more than one column apart, the columns strictly between lie in a gap and are cleared. Columns past the last sample
-/// are cleared too (DESIGN, section 4). For a target on the left all is mirrored.
+/// For a target on the right each row is swept from left to right, and a later sample overwrites. If two neighbours
+/// land more than one column apart, the columns strictly between them are a gap and are cleared. Columns past the last
+/// sample are cleared too (DESIGN, section 4). For a target on the left everything is mirrored.
 pub fn sweep(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
     let width = frame.size()[0];
     let mut right_source = vec![0; left_depth.len()];
@@ -55,17 +55,17 @@ mod tests {
     use super::*;
     use crate::{StereoCamera, random::Random};
 
-    /// State of a right column in the right-to-left variation.
+    /// State of a right column in the right-to-left variant.
     #[derive(Clone, Copy, PartialEq)]
     enum Column {
         Free,
-        /// In a gap: it stays empty, whatever comes later in the sweep.
+        /// In a gap: the column stays empty, even if later samples of the sweep land there.
         Blocked,
         Taken(u32),
     }
 
     /// Sweeps from right to left; the first write wins. The paper's version has two states: it marks gaps as hit and so
-    /// never traces them. With a third state the result equals that of the forward sweep.
+    /// never traces them. A third state makes the result equal to the forward sweep's.
     fn sweep_from_the_right(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
         let [width, height] = frame.size();
         let mut right_source = Vec::with_capacity(width * height);
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_gap_that_the_background_had_covered_is_cleared() {
-        // With e_px = 8 and d = 4, z = 8 moves by 4, z = 4 by 0 and the sky by 8.
+        // For e_px = 8 and d = 4, z = 8 moves by 4 columns, z = 4 by 0 and the sky by 8.
         let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);
         let frame = Frame::new(&camera.size(20, 1).interaxial_pixels(8.0).pose().unwrap());
         let depths: Vec<f32> = (0..20).map(|column| if (6..9).contains(&column) { 4.0 } else { 8.0 }).collect();

@@ -1,5 +1,5 @@
-//! Twins of the passes of `bracket`: `bound_tiles.wgsl`, how pixels are made in `resolve_tiles.wgsl`, and visibility
-//! bits (`shared/bits.wgsl`), for scenes without vertex normals.
+//! Twins of the passes of `bracket`, for scenes without vertex normals. They cover `bound_tiles.wgsl`, the sources of
+//! pixels in `resolve_tiles.wgsl`, and visibility bits (`shared/bits.wgsl`).
 
 use glam::Vec3;
 
@@ -10,7 +10,7 @@ use crate::{
     scene::{Primitive, components},
 };
 
-/// Between two samples a surface may lie slightly deeper than both.
+/// Factor on the bound, since a surface between two samples may be slightly deeper than both.
 const BETWEEN: f32 = 1.001;
 /// `GROOVE` of `bits.wgsl`.
 const GROOVE: f32 = 1.0 / 96.0;
@@ -18,11 +18,11 @@ const GROOVE: f32 = 1.0 / 96.0;
 const REACH_OF_SHADOW: f32 = 32.0;
 const REACH_OF_LIGHT: f32 = 12.0;
 const FLAT: f32 = 1.0 / 32.0;
-/// Least cosine between the normals of primitives that may share a shadow.
+/// Smallest cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
 
 /// Returns the bound of each tile of right pixels, row by row. It is the largest depth of the left samples that land
-/// there. Each sample's depth counts from one pixel before the previous landing to one pixel behind its own.
+/// there. Each sample covers the columns from one pixel before the previous landing to one pixel behind its own.
 pub fn tile_bounds(frame: &Frame, left_depth: &[f32]) -> Vec<f32> {
     let [width, height] = frame.size();
     let tile = TILE as usize;
@@ -50,7 +50,8 @@ pub fn tile_bounds(frame: &Frame, left_depth: &[f32]) -> Vec<f32> {
     bounds
 }
 
-/// Returns the bounds for pixels that are samples: four tiles take the largest of their bounds.
+/// Returns the bounds for pictures of jittered samples: each tile takes the largest bound in its block of two by two
+/// tiles.
 pub fn wide_bounds(frame: &Frame, bounds: &[f32]) -> Vec<f32> {
     let across = frame.size()[0].div_ceil(TILE as usize);
     let (down, four) = (bounds.len() / across, (WIDE_TILE / TILE) as usize);
@@ -63,7 +64,7 @@ pub fn wide_bounds(frame: &Frame, bounds: &[f32]) -> Vec<f32> {
     (0..bounds.len()).map(deepest).collect()
 }
 
-/// Returns how each right pixel is made, given the bounds and the hits of its own ray.
+/// Returns the source of each right pixel, from the bounds and the hits of its own ray.
 pub fn sources(frame: &Frame, bounds: &[f32], right: &[(f32, u32)]) -> Vec<PixelSource> {
     let [width, _] = frame.size();
     let tile = TILE as usize;
@@ -78,7 +79,7 @@ pub fn sources(frame: &Frame, bounds: &[f32], right: &[(f32, u32)]) -> Vec<Pixel
     right.iter().enumerate().map(fate).collect()
 }
 
-/// Bits of the lights: `known` for lights in front of a surface, `lit` for those visible from it.
+/// Visibility bits of the lights: `known` for lights in front of a surface, `lit` for lights visible from it.
 #[derive(Clone, Copy, Default)]
 struct Bits {
     known: u32,
@@ -89,8 +90,8 @@ struct Bits {
 /// `Eye::Right`.
 pub type Source<'a> = (&'a Frame, &'a [(f32, u32)]);
 
-/// Returns how each right pixel gets its visibility bits: by reuse, or by a shadow ray. They can be reused from its
-/// source view, or from the second source view, if there are two. `right` has the hits of the target view's own rays.
+/// Returns the source of each right pixel's visibility bits: reuse, or a shadow ray. The bits can be reused from the
+/// source view, or from a second source view if there is one. `right` has the hits of the target view's own rays.
 pub fn shadow_sources(
     scene: &Scene,
     sources: &[Source<'_>],
@@ -174,7 +175,7 @@ fn busy_lights(components: &[u32], (frame, left): Source<'_>, bits: &[Bits]) -> 
 }
 
 /// Returns the lights whose visibility bits can be reused. The source samples around the point that a right pixel shows
-/// must agree on them.
+/// must agree on these bits.
 fn agreed_bits(
     scene: &Scene,
     components: &[u32],
@@ -246,8 +247,8 @@ fn surface_normal(scene: &Scene, frame: &Frame, eye: Eye, index: usize, (depth, 
     if normal.dot(direction) > 0.0 { -normal } else { normal }
 }
 
-/// Returns which lights are in front of a hit and, if requested, which are visible from it, by shadow rays as in
-/// shared/lights.wgsl.
+/// Returns which lights are in front of a hit. If requested, it also traces which of them are visible from the hit, by
+/// shadow rays as in shared/lights.wgsl.
 fn light_bits(scene: &Scene, frame: &Frame, eye: Eye, index: usize, hit: (f32, u32), trace: bool) -> Bits {
     let mut bits = Bits::default();
     if hit.1 == MISS {

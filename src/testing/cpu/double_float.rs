@@ -1,4 +1,4 @@
-//! Twin of `shaders/shared/double_float.wgsl`: sums of two f32, with twice the precision.
+//! Twin of `shaders/shared/double_float.wgsl`: sums of two f32 with twice the precision of f32.
 
 use std::ops::{Add, Mul, Neg};
 
@@ -87,7 +87,7 @@ pub fn cross(a: Two3, b: Two3) -> Two3 {
     Two3([component(1, 2), component(2, 0), component(0, 1)])
 }
 
-/// Returns t where a ray meets a triangle's plane.
+/// Returns the ray's t at a triangle's plane.
 pub fn plane_t(origin: Vec3, direction: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let normal = cross(Two3::difference(b, a), Two3::difference(c, a));
     let distance = dot(normal, Two3::difference(a, origin));

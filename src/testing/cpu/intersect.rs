@@ -14,11 +14,11 @@ use crate::{
     scene::PLANE_REACH,
 };
 
-/// Error of edge products, as a share of the direction's length, the corners' distance and the longest edge.
+/// Error bound of edge products, relative to the direction's length, the corners' distance and the longest edge.
 const DOUBT: f32 = 22.0 / 16_777_216.0;
 
-/// Returns the ray's t at a triangle, or `None` for a miss. It takes Plücker products with the edges and, if rounding
-/// might decide, products of the projected corners: see shaders/shared/triangle.wgsl.
+/// Returns the ray's t at a triangle, or `None` for a miss. It uses Plücker products with the edges. If rounding could
+/// decide their signs, it uses products of the projected corners; see shaders/shared/triangle.wgsl.
 pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Option<f32> {
     let corners = shortest_edge_first(corners);
     let [a, b, c] = corners.map(|corner| corner - origin);
@@ -118,8 +118,8 @@ pub fn intersect_ellipsoid(origin: Vec3, direction: Vec3, ellipsoid: &Ellipsoid,
     meet(mapped(&map, center - origin), mapped(&map, direction), map.radius, t_min)
 }
 
-/// Returns the ray's t at a plane (shaders/shared/planes.wgsl). It is `None` if the ray begins in the plane, runs along
-/// it, or meets it farther than [`PLANE_REACH`] away. It is negative if the ray goes away from it.
+/// Returns the ray's t at a plane (shaders/shared/planes.wgsl). It is `None` if the ray begins in the plane, is
+/// parallel to it, or meets it farther than [`PLANE_REACH`] away. It is negative if the ray points away from the plane.
 pub fn intersect_plane(origin: Vec3, direction: Vec3, plane: &Plane) -> Option<f32> {
     let normal = plane.unit_normal();
     let height = dot(Two3::new(normal), Two3::difference(plane.point, origin)).hi;

@@ -1,8 +1,8 @@
 //! Plain Rust twins of the kernels, with the same file names: slow and sequential, without BVH and wgpu. Tests compare
 //! the kernels with them. To find a faulty kernel, replace a pass by its twin.
 //!
-//! They do the same arithmetic in the same order. So on adapters that neither contract nor reorder f32 operations,
-//! results agree bit for bit.
+//! They perform the same arithmetic in the same order. So results are bit-identical on adapters that neither contract
+//! nor reorder f32 operations.
 
 pub mod adelson_hodges;
 pub mod bracket;
@@ -18,7 +18,7 @@ use glam::Vec3;
 
 use crate::{Pose, frame::eyes::eyes_uniform, kernel::layout, sampling::Jitter};
 
-/// The frame of the kernels, with vectors.
+/// The frame uniform of the kernels, with vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     raw: layout::Eyes,

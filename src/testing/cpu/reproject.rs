@@ -3,7 +3,7 @@
 use super::Frame;
 use crate::{Pose, frame::driver::slots};
 
-/// Returns Lemma 1's bound on the columns between two samples that land in one column (thesis, Lemma 1).
+/// Returns the bound on the columns between two samples that land in one column (thesis, Lemma 1).
 pub fn lemma1(pose: &Pose, nearest: f32, farthest: f32) -> f64 {
     slots::lemma1(pose, nearest, farthest)
 }
@@ -27,8 +27,8 @@ pub fn right_column(frame: &Frame, column: usize, z: f32) -> Option<usize> {
 }
 
 /// Returns the nearest sample's key for each target pixel, or 0. A key is the position of the sample's column in the
-/// sweep, from 1 on. The sweep goes from left to right for a target on the right, else from right to left. A later
-/// sample overwrites, since it is nearer.
+/// sweep, from 1. The sweep runs from left to right for a target on the right, and otherwise from right to left. A
+/// later sample overwrites, since it is nearer.
 pub fn reproject(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
     let [width, height] = frame.size();
     let mut right_source = vec![0; width * height];

@@ -6,11 +6,11 @@ use glam::Vec3;
 use super::{Eye, Frame, intersect::closest_hit, reproject::in_sweep};
 use crate::{FAR, MISS, PixelSource, Scene};
 
-/// Share of the way to the reused point that must be free.
+/// Share of the distance to the reused point that must be free of occluders.
 pub const VERIFY_FRACTION: f32 = 0.999;
 
-/// Returns how each target pixel is made. `left` has (depth, id) of each source pixel, `keys` the result of the twin of
-/// reprojection.
+/// Returns the source of each target pixel. `left` has (depth, id) of each source pixel; `keys` is the result of the
+/// twin of reprojection.
 pub fn resolve_right(scene: &Scene, frame: &Frame, left: &[(f32, u32)], keys: &[u32]) -> Vec<PixelSource> {
     let width = frame.size()[0];
     let columns: Vec<usize> = in_sweep(frame).collect();

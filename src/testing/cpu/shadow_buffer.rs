@@ -2,8 +2,8 @@
 //!
 //! The paper's theta (Raghuvanshi & Dhande, equation 4) runs from 0 to pi with `(cos theta cos phi, cos theta sin phi,
 //! sin theta)`. This covers half of the sphere twice. Its inverse (equation 7) has an arcsin, which begins at -pi/2,
-//! and an arccos, which loses the sign of phi. Here theta is the angle from a pole, `(sin theta cos phi, sin theta sin
-//! phi, cos theta)`, and both angles are arctangents of two arguments.
+//! and an arccos, which loses the sign of phi. Here theta is the angle from a pole, with direction `(sin theta cos phi,
+//! sin theta sin phi, cos theta)`. Both angles are arctangents of two arguments.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ use crate::Scene;
 pub use crate::render::shadow_buffer::mapping::Mapping;
 
 impl Mapping {
-    /// Returns whether it has all directions, so that rows continue beyond the poles and columns wrap around.
+    /// Returns whether the mapping covers all directions. Then rows continue beyond the poles and columns wrap around.
     pub fn is_whole(&self) -> bool {
         self.theta[0] == 0.0
     }
@@ -27,7 +27,7 @@ impl Mapping {
         x * (theta.sin() * phi.cos()) + y * (theta.sin() * phi.sin()) + z * theta.cos()
     }
 
-    /// Returns the row and column of a direction of any length. Outside of `0..rows` or `0..columns` there is no texel.
+    /// Returns the row and column of a direction of any length. There is no texel outside `0..rows` and `0..columns`.
     pub fn place(&self, direction: DVec3) -> [f64; 2] {
         let [x, y, z] = self.axes.map(|axis| axis.as_dvec3().dot(direction));
         let theta = x.hypot(y).atan2(z);

@@ -93,8 +93,8 @@ pub(super) fn mixed_sizes_camera() -> StereoCamera {
 /// Builds spheres of millimetres in front of spheres of metres, on a ground of kilometres.
 pub(super) fn mixed_sizes() -> Scene {
     const HUGE: f32 = 1e4;
-    /// Radius of a sphere whose triangles have sides of about 0.0003. They are few, since the traversal separates them
-    /// badly in so large a scene. More of them approach a driver's bound on a thread's loops.
+    /// Radius of a sphere whose triangles have sides of about 0.0003. There are only a few, since the traversal
+    /// separates them poorly in so large a scene. More of them would approach a driver's bound on a thread's loops.
     const BALL_RADIUS: f32 = 0.002;
     const GRAINS: usize = 1500;
     let mut scene = Scene::new();

@@ -176,7 +176,8 @@ pub(super) fn wings() -> Scene {
     const DEPTH: f32 = 4.4;
     let mut scene = stage();
     let stripes = [[214, 60, 120], [250, 230, 140]].map(|srgb| paint(&mut scene, "stripe", srgb));
-    // Lines from the eyes to the screen's right edge: only the right eye's picture reaches beyond the left eye's line.
+    // These lines run from the eyes to the screen's right edge. Only the right eye's picture reaches beyond the left
+    // eye's line.
     let line = |eye: f32| eye + (0.5 * WIDTH * SCREEN - eye) * DEPTH / SCREEN;
     let [of_left, of_right] = [line(-0.5 * INTERAXIAL), line(0.5 * INTERAXIAL)];
     let radius = 0.42 * (of_right - of_left);

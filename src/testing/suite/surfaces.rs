@@ -139,11 +139,11 @@ pub(super) fn t_junctions() -> Scene {
     let fine = paint(&mut scene, "fine", [178, 190, 200]);
     let red = paint(&mut scene, "behind", [230, 30, 20]);
     let mut wall = Shape::new("wall of panels", EYE + Vec3::new(-3.7, -2.0, -6.3));
-    // f32 does not represent these axes exactly, so vertices on an edge lie beside it by rounding.
+    // f32 does not represent these axes exactly, so rounding displaces vertices from the edges they lie on.
     let (along, up) = (Vec3::new(4.1, 0.13, -1.7), Vec3::new(0.07, 4.3, -0.31));
     panels(&mut wall, [14, 14], 8, |s, t| along * s + up * t, [coarse, fine]);
     add(&mut scene, wall);
-    // A coarse panel is a chord of the circle, a third of a pixel within the fine ones' arc.
+    // A coarse panel is a chord of the circle. It is up to a third of a pixel inside the fine panels' arc.
     let mut tower = Shape::new("tower of panels", Vec3::new(2.1, -0.05, -7.2));
     let round = |s: f32, t: f32| {
         let (sin, cos) = (TAU * s).sin_cos();

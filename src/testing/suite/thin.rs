@@ -83,7 +83,7 @@ pub(super) fn hair() -> Scene {
     // The hair is one object, as in a scan, so object ids can't distinguish strands.
     let mut hair = Shape::new("hair", EYE + CENTER);
     for strand in 0..STRANDS {
-        // Points are spread evenly over the sphere: equal steps in height, the golden angle around.
+        // Roots are spread evenly over the sphere: equal steps in height, and the golden angle around.
         let y = 1.0 - 2.0 * (strand as f32 + 0.5) / STRANDS as f32;
         let (sin, cos) = ((strand as f32 * GOLDEN_ANGLE) % TAU).sin_cos();
         let ring = (1.0 - y * y).sqrt();
@@ -138,7 +138,7 @@ pub(super) fn foliage() -> Scene {
     scene
 }
 
-/// Returns a mask of 96x96 pixels with slender leaves in it.
+/// Returns a mask of 96x96 pixels that contains slender leaves.
 fn leaf_mask(random: &mut Random) -> Texture {
     const SIDE: usize = 96;
     const LEAVES: usize = 40;
@@ -234,7 +234,7 @@ pub(super) fn strips() -> Scene {
     };
     let mut part = Shape::new("part", Vec3::ZERO);
     block(&mut part, Vec3::new(-3.0, 0.0, -0.1), Vec3::new(3.0, 3.2, 0.0), steel);
-    // Fins stand upright on the plate.
+    // The fins are upright on the plate.
     for fin in 0..FINS {
         let x = -2.8 + 3.4 * fin as f32 / FINS as f32;
         let (width, height) = (random.between(0.002, 0.02), random.between(0.05, 0.25));

@@ -1,4 +1,4 @@
-//! Differences of disparities from the true ones: the figures of the Middlebury and KITTI benchmarks.
+//! Errors of disparities, by the measures of the Middlebury and KITTI benchmarks.
 
 use crate::{Error, message::counted};
 
@@ -7,11 +7,11 @@ pub const BAD_PX: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 /// KITTI's outlier thresholds, both of which must be exceeded: pixels, and a share of the true disparity.
 const OUTLIER: (f64, f64) = (3.0, 0.05);
 
-/// Difference of disparities from the true ones.
+/// Error of disparities, relative to the true disparities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct DisparityError {
-    /// Number of counted pixels: those in the mask with a known true disparity.
+    /// Number of counted pixels: pixels in the mask with a known true disparity.
     pub pixels: usize,
     /// Percentage of counted pixels for which a disparity was found.
     pub found_percent: f64,
@@ -27,7 +27,8 @@ pub struct DisparityError {
     pub rms_px: f64,
 }
 
-/// Compares disparities with the true ones in the pixels of `mask` ([`EyeTruth::surfaces`](crate::EyeTruth::surfaces),
+/// Compares disparities with the true disparities in the pixels of `mask`
+/// ([`EyeTruth::surfaces`](crate::EyeTruth::surfaces),
 /// [`EyeTruth::surfaces_of_both`](crate::EyeTruth::surfaces_of_both)). Infinite and NaN values are unknown. Pixels with
 /// unknown true disparities do not count. Disparities that were not found are bad by every measure.
 ///
@@ -117,7 +118,7 @@ mod tests {
             let message = compare_disparity(found, truth, mask).unwrap_err().to_string();
             assert!(message.starts_with("sizes do not match: "), "{message}");
         }
-        // Disparities without any found are a valid, bad result.
+        // A list in which no disparity was found is a valid, bad result.
         let none = compare_disparity(&[f32::INFINITY], &[1.0], &[true]).unwrap();
         assert_eq!((none.bad_percent, none.d1_percent, none.mean_px, none.rms_px), ([100.0; 4], 100.0, 0.0, 0.0));
     }

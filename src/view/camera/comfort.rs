@@ -3,8 +3,8 @@
 use super::{HUMAN_INTERAXIAL, Pose};
 
 impl Pose {
-    /// Returns the viewing comfort of a pair on a display `display_width` metres wide. Its hits lie between depths
-    /// `nearest` and `farthest` (`f32::INFINITY` if sky is visible).
+    /// Returns the viewing comfort of a pair on a display `display_width` metres wide. The pair's hits lie between
+    /// depths `nearest` and `farthest` (`f32::INFINITY` if sky is visible).
     /// [`StereoCamera::comfortable`](super::StereoCamera::comfortable) chooses a comfortable camera.
     pub fn comfort(&self, nearest: f32, farthest: f32, display_width: f32) -> Comfort {
         let width = self.size[0] as f32;

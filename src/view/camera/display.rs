@@ -88,7 +88,7 @@ pub struct Comfortable {
     pub interaxial: f32,
     /// The chosen distance `d` to the screen, world units.
     pub screen_distance: f32,
-    /// Rules that a larger interaxial would break at any screen distance; at least one.
+    /// Rules that a larger interaxial would break at any screen distance. The list has at least one rule.
     pub binding: Vec<ComfortRule>,
 }
 
@@ -97,19 +97,19 @@ impl StereoCamera {
     /// between depths `nearest` and `farthest` (`f32::INFINITY` if sky is visible). The camera shows as much depth as
     /// every [`ComfortRule`] allows.
     ///
-    /// A point at depth Z has the parallax `p(Z) = e f (1/d - 1/Z)` in widths of the display, with the focal length `f`
-    /// in widths of the picture. Let `N` and `F` be the nearest and farthest depth, and `v` the viewing distance. The
-    /// largest parallax behind the display is `A = min(2%, 63 mm / width, 2 v tan 0.5° / width)`, in front of it
-    /// `B = min(1%, 2 v tan 0.5° / width)`. The interaxial is the least of
+    /// A point at depth Z has the parallax `p(Z) = e f (1/d - 1/Z)` in widths of the display. Here `f` is the focal
+    /// length in widths of the picture. Let `N` and `F` be the nearest and farthest depth, and `v` the viewing
+    /// distance. The largest parallax behind the display is `A = min(2%, 63 mm / width, 2 v tan 0.5° / width)`. The
+    /// largest parallax in front of it is `B = min(1%, 2 v tan 0.5° / width)`. The interaxial is the least of
     ///
     /// - `(A + B) / (f (1/N - 1/F))`: the range of parallax,
     /// - `A / (f (1/2N - 1/F))`, if that is above 0: the screen is no farther than `2N`,
     /// - `N / 30`.
     ///
-    /// The screen stands at `1/d = 1/F + (1/N - 1/F) A / (A + B)`, which uses A and B equally, or as near to that as
-    /// the rules allow. [`View::depth_range`](crate::View::depth_range) gives the depths of a picture,
-    /// [`Pose::depth_range_of`](crate::Pose::depth_range_of) those of a box. For toed-in eyes the formulas hold on the
-    /// axis between them.
+    /// The screen's distance is given by `1/d = 1/F + (1/N - 1/F) A / (A + B)`, which uses A and B equally. If the
+    /// rules forbid this distance, the nearest allowed value is chosen. [`View::depth_range`](crate::View::depth_range)
+    /// returns the depths of a picture, and [`Pose::depth_range_of`](crate::Pose::depth_range_of) the depths of a box.
+    /// For toed-in eyes the formulas hold on the axis between the eyes.
     ///
     /// ```
     /// use stereotrace::{Builtin, camera::{ComfortRule, Display}};
@@ -126,7 +126,7 @@ impl StereoCamera {
     /// # Errors
     /// - [`Error::Options`] for depths that are not above 0 or not in order, and for a display without width or
     ///   distance.
-    /// - [`Error::Camera`] for an invalid camera, also for the chosen one.
+    /// - [`Error::Camera`] if this camera or the chosen camera is invalid.
     pub fn comfortable(&self, (nearest, farthest): (f32, f32), display: &Display) -> Result<Comfortable, Error> {
         if !(nearest > 0.0 && nearest.is_finite() && farthest >= nearest) {
             let reason = format!(

@@ -22,9 +22,9 @@ impl StereoCamera {
     /// greater where the eyes would leave [`MAX_EYE_COORDINATE`](super::MAX_EYE_COORDINATE) of an origin at 0. A sphere
     /// too small for f32 is seen as if its radius were [`MIN_EXTENT`].
     ///
-    /// [`Scene::bounds`](crate::Scene::bounds) returns such bounds. The camera is valid for every box within a scene's
-    /// coordinates and for pictures with aspects up to 16. A render refuses a small scene far from its own origin,
-    /// since f32 can't represent its eyes.
+    /// [`Scene::bounds`](crate::Scene::bounds) returns the bounds of a scene. The camera is valid for every box within
+    /// a scene's coordinates and for pictures with aspects up to 16. A render rejects a small scene far from its own
+    /// origin, since f32 can't represent its eyes.
     pub fn fitting(bounds: (DVec3, DVec3), width: u32, height: u32) -> Self {
         let (low, high) = bounds;
         let center = low.midpoint(high);

@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 
 use super::{Intrinsics, Pose};
 
-/// The picture's rectangle on a plane in front of the eyes. This plane is the screen if the camera was given by it,
-/// else it is at depth 1. The values are f64; kernels get them rounded once.
+/// The picture's rectangle on a plane in front of the eyes. This plane is the screen if the camera was specified by its
+/// screen; otherwise it is at depth 1. The values are f64, and are rounded once for kernels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Frustum {
     /// Distance from the plane of the eyes to that plane.
@@ -20,8 +20,8 @@ pub(crate) struct Frustum {
 }
 
 impl Frustum {
-    /// Returns the horizontal coordinate of the rectangle's left side, relative to the axis of an eye. The eye stands
-    /// `offset` interaxials from the midpoint.
+    /// Returns the horizontal coordinate of the rectangle's left side, relative to the axis of an eye. The eye is
+    /// `offset` interaxials to the right of the midpoint.
     fn left(&self, offset: f64) -> f64 {
         self.center[0] - 0.5 * self.size[0] - offset * self.shift
     }
@@ -48,7 +48,7 @@ impl Frustum {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Parallax {
     pub(crate) scale_px: f32,
-    /// 1, or 0 for parallel cameras.
+    /// Factor of the parallax at infinity: 1, or 0 for parallel cameras.
     pub(crate) at_infinity: f32,
     /// Distance of the screen, or the interaxial of parallel cameras, in world units.
     pub(crate) distance: f32,
@@ -90,15 +90,15 @@ impl Pose {
     /// It is `e_px` at infinity, 0 on the screen and `-e_px` at `d/2`. Between parallel cameras it is `-f_px e / Z`: 0
     /// at infinity, negative nearer.
     ///
-    /// For toed-in eyes it holds for points on the axis between them, at a depth along it:
+    /// For toed-in eyes it is the parallax of points on the axis between the eyes, at depth `z` along that axis:
     /// `e_px (1 - d/Z) / (1 + e²/(4 d Z))`. Elsewhere use [`Pose::project`].
     pub fn parallax_px(&self, z: f32) -> f32 {
         self.parallax().px(z) / self.toe_in_divisor(z.into()) as f32
     }
 
-    /// Returns an eye's world position: -1 left, +1 right, 0 the midpoint.
+    /// Returns an eye's position in world coordinates (-1 left, +1 right, 0 the midpoint).
     ///
-    /// The pose of a picture returns the rendered eyes. They are f32 positions relative to
+    /// The pose of a rendered picture returns the rendered eyes. They are f32 positions relative to
     /// [`Scene::origin`](crate::Scene::origin), so they may differ from `eye ± right e/2` in the last bit. All ground
     /// truth, matrices and calibrations describe these eyes.
     pub fn eye_position(&self, side: f32) -> DVec3 {
@@ -146,7 +146,7 @@ impl Pose {
         self.project_from_eye(point.into() - self.eye_position(side), side).map(|value| value as f32)
     }
 
-    /// Does the same as [`Pose::project`] for a vector from that eye.
+    /// Projects a vector that begins at an eye into that eye's picture, like [`Pose::project`].
     pub(super) fn project_from_eye(&self, to: DVec3, side: f32) -> [f64; 3] {
         let (forward, right) = self.axes(side);
         let Frustum { distance, size: [width, height], .. } = self.frustum;
@@ -157,14 +157,14 @@ impl Pose {
     }
 
     /// Returns the direction from an eye through the picture's top left corner, with length 1 along the view axis. The
-    /// eye stands `offset` interaxials from the midpoint and is not toed in.
+    /// eye is `offset` interaxials to the right of the midpoint and is not toed in.
     pub(crate) fn corner(&self, offset: f64) -> DVec3 {
         let [forward, right, up] = [self.forward, self.right, self.up].map(Vec3::as_dvec3);
         let distance = self.frustum.distance;
         forward + right * (self.frustum.left(offset) / distance) + up * (self.frustum.top() / distance)
     }
 
-    /// Returns the change of such a direction from a pixel to its right neighbour, and to the one below.
+    /// Returns how the direction through a pixel changes from one pixel to the next: to the right, and downwards.
     pub(crate) fn pixel_steps(&self) -> [DVec3; 2] {
         let [x, y] = self.frustum.steps(self.size);
         [self.right.as_dvec3() * x, self.up.as_dvec3() * -y]

@@ -5,8 +5,8 @@ use crate::Error;
 
 /// Focal lengths and principal points of a calibrated pair, in pixels: `x = fx X/Z + cx` and `y = fy Y/Z + cy`. The
 /// point lies `X` to the right of an eye's axis, `Y` below it and `Z` along it. x and y are measured from the picture's
-/// top left corner, with **pixel centres at halves**. (`OpenCV`, Middlebury and KITTI have them at integers: add a half
-/// to their `cx` and `cy`.)
+/// top left corner, with **pixel centres at halves**. `OpenCV`, Middlebury and KITTI have pixel centres at integers:
+/// add a half to their `cx` and `cy`.
 ///
 /// Both eyes share `fx`, `fy` and `cy`, and have no lens distortion, so rows are epipolar lines. If `cx1` is above
 /// `cx0`, the eyes look through one screen at `d = fx e / (cx1 - cx0)`. If both are equal, the eyes are parallel
@@ -75,7 +75,7 @@ pub(crate) struct Lenses {
 }
 
 impl Lenses {
-    /// Makes them from half of the vertical field of view, in radians, and the picture's size.
+    /// Makes the lenses from half of the vertical field of view, in radians, and the picture's size.
     pub(super) fn of_fov(half: f64, size: [f64; 2]) -> Self {
         let [_, y] = size.map(|side| 0.5 * side);
         Self { focal: [y / half.tan(); 2], principal: size.map(|side| 0.5 * side) }

@@ -71,7 +71,7 @@ impl CameraPath {
         self.keys.last().map_or(0, |(frame, _)| *frame as u32 + 1)
     }
 
-    /// Returns the camera at a frame. It stands still before the first key frame and after the last one.
+    /// Returns the camera at a frame. It does not move before the first key frame and after the last key frame.
     ///
     /// Eye, target and up follow a Catmull-Rom spline through the key frames, whose distances may differ. Field of
     /// view, interaxial and the reciprocal of the screen's distance are interpolated linearly, so parallax changes

@@ -1,4 +1,5 @@
-//! Limits of cameras in f32. Values outside are refused by name (DESIGN, section 2, has the measurements).
+//! Limits of cameras in f32. Values outside them are rejected by an error that names the field (DESIGN, section 2, has
+//! the measurements).
 
 use std::ops::RangeInclusive;
 
@@ -11,12 +12,12 @@ use crate::Error;
 /// view: see [`MIN_PIXEL_ANGLE`].
 pub const MAX_SIDE: u32 = 1 << 17;
 
-/// Largest coordinate relative to [`Scene::origin`](crate::Scene::origin), in world units. Larger ones are refused,
-/// since they overflow f32 in the traversal's box tests.
+/// Largest coordinate relative to [`Scene::origin`](crate::Scene::origin), in world units. Larger coordinates are
+/// rejected, since they overflow f32 in the traversal's box tests.
 pub const MAX_COORDINATE: f32 = 1e8;
 
 /// Least length of a scene's longest side, in world units. In smaller scenes the products of an intersection vanish in
-/// f32. Smaller objects may stand in a larger scene.
+/// f32. A larger scene may contain smaller objects.
 pub const MIN_EXTENT: f32 = 1e-6;
 
 /// Largest world coordinate of the eyes and of the target. Beyond it, f64 rounds positions by more than 1e-3.
@@ -34,15 +35,15 @@ pub const SCREEN_DISTANCES: RangeInclusive<f32> = 1e-6..=1e9;
 /// Least angle in radians that a pixel must span as seen from its eye: 2⁻¹⁸, or 0.8 seconds of arc. The error of an f32
 /// direction is about a tenth of it.
 ///
-/// Pixels in the picture's corners span the least angle, `s d / (d² + c²)`. Here `d` is the screen's distance, and `s`
-/// is the shorter side of a pixel on the screen. `c` is the corner's distance from the screen point straight ahead of
-/// the eye. (For a screen at infinity, take any plane in front of the eyes.)
+/// Pixels in the picture's corners span the least angle, `s d / (d² + c²)`. Here `d` is the screen's distance, and
+/// `s` is the shorter side of a pixel on the screen. `c` is the corner's distance from the screen point straight ahead
+/// of the eye. If the screen is at infinity, the formula holds for any plane in front of the eyes.
 ///
 /// The angle is too small if the field of view is too narrow or too wide, or if there are too many pixels. Eyes too far
 /// apart and principal points too far outside the picture also make it too small.
 pub const MIN_PIXEL_ANGLE: f32 = 1.0 / 262_144.0;
 
-/// Largest change of the interaxial by rounding of the eyes' positions to f32, as a share of it.
+/// Largest change of the interaxial by rounding of the eyes' positions to f32, as a share of the interaxial.
 pub const MAX_EYE_SHIFT: f32 = 0.25;
 
 /// Returns an [`Error::Camera`].

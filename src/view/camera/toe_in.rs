@@ -1,4 +1,4 @@
-//! Toed-in eyes.
+//! Poses with toed-in eyes.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Adaptive supersampling in stereo, by the paper's way and by ours.
+//! Adaptive supersampling in stereo, by the paper's method and by `bracket`.
 
 use stereotrace::{
     Adaptive, Error, GBuffer, Method, Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, View,
@@ -15,10 +15,11 @@ use crate::{
     rows::{Claim, Row, Setting, Values},
 };
 
-/// Without mirrors and glass.
+/// Name of the scene without mirrors and glass.
 const DULL: &str = "20 objects, the first";
 const PLACE: &str = "adaptive supersampling, table 3";
-/// By how much a channel may differ; the paper does not say.
+/// Largest difference of a channel between a pixel's corners for which it is not divided. The paper does not state its
+/// value.
 const TOLERANCE: u8 = 8;
 const M: &str = "M: primary rays of the right view, of the left one's";
 const SAVED: &str = "saved of the second view by rays, %";
@@ -29,7 +30,7 @@ const OF_GRID: &str = "rays of both views, of those of n x n samples of the same
 const FIGURES: [&str; 6] = [RAYS, M, SAVED, COUNTERS, PSNR, OF_GRID];
 
 pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
-    // As the paper's, glass only refracts.
+    // Glass only refracts, as in the paper.
     let random = |count| clear(&RandomObjects::new(count, SEED).shares(0.1, 0.1).scene());
     let mut scenes = vec![(DULL, Builtin::Random20.scene(), if plan.smoke { 2 } else { 5 })];
     if !plan.smoke {
@@ -63,7 +64,7 @@ pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Err
     Ok(rows)
 }
 
-/// The samples of a pixel's side where it is divided as often as can be: the paper's n.
+/// Returns the number of samples along a side of a fully divided pixel: the paper's n.
 fn side_of(levels: u32) -> u32 {
     (1 << (levels - 1)) + 1
 }
@@ -107,10 +108,10 @@ fn by_bracket(
     Ok(values.map(|(figure, value)| row(figure, setting("bracket"), levels, value)).into())
 }
 
-/// M by the paper's way: the samples of each of the n rows of left pixels are carried over by their depths to the right
-/// view's finest samples, the latest one of several; where two neighbours land farther apart than they stood, those
-/// between are cleared. The right view is divided by colours, and a sample that it asks for is traced where none
-/// landed.
+/// Returns M by the paper's method. The samples of each of the n rows of left pixels are reprojected by depth to the
+/// right view's finest sample grid. The latest of several samples in one place wins. If two neighbours land farther
+/// apart than they were, the samples between them are cleared. The right view is divided by its colours, and a
+/// requested sample is traced if no left sample landed there.
 fn by_the_paper(renderer: &mut Renderer, scene: &Scene, camera: StereoCamera, levels: u32) -> Result<f64, Error> {
     let finest = lattice::camera(camera, side_of(levels) - 1)?;
     let all = lattice::samples(renderer, scene, &finest)?;
@@ -138,7 +139,7 @@ fn by_the_paper(renderer: &mut Renderer, scene: &Scene, camera: StereoCamera, le
     Ok(traced as f64 / left.iter().filter(|asked| **asked).count() as f64)
 }
 
-/// Marks the samples that a view asks for.
+/// Marks the samples that a view requests.
 fn divide_all(view: &View, levels: u32, asked: &mut [bool]) {
     let side = side_of(levels) - 1;
     for y in (0..view.height - 1).step_by(side as usize) {
@@ -163,11 +164,11 @@ fn divide(view: &View, [x, y]: [u32; 2], side: u32, asked: &mut [bool]) {
     }
 }
 
-/// Root of the number of samples of the truth, on each of 4x4 parts of a pixel.
+/// The truth is rendered at this multiple of the picture's width and height, with `TRUE_SAMPLES` samples per pixel.
 const TRUE_SIDE: u32 = 4;
 const TRUE_SAMPLES: u32 = 64;
 
-/// What as good a picture costs without divided pixels: against 1024 samples a pixel.
+/// Compares the cost of adaptive samples with n x n samples of equal error. The truth has 1024 samples per pixel.
 fn at_equal_error(
     renderer: &mut Renderer,
     name: &str,
@@ -203,7 +204,7 @@ fn at_equal_error(
             method: "naive".into(),
         };
         rows.push(row(PSNR, setting(), levels, 10.0 * (255.0 * 255.0 / error).log10()));
-        // Of no grid that was measured the error is as small: nothing is said.
+        // No share is reported if the error is outside the range of the measured grids.
         let share = rays_of_error(&grids, error).map(|grid| rays(&pair) / grid);
         rows.extend(share.map(|share| row(OF_GRID, setting(), levels, share)));
     }
@@ -220,7 +221,8 @@ fn of_levels(
     renderer.pair(scene, camera).options(&options.adaptive(Adaptive::new(levels, TOLERANCE.into()))).read().wait()
 }
 
-/// Rays of a grid of that error, between two that were measured: error falls by a power of rays.
+/// Returns the rays of a grid with this error, by interpolation between two measured grids. It assumes that the error
+/// falls by a power of the rays.
 fn rays_of_error(grids: &[(f64, f64)], error: f64) -> Option<f64> {
     let between = grids.windows(2).find(|two| two[0].1 >= error && error >= two[1].1)?;
     let [(rays_a, error_a), (rays_b, error_b)] = [between[0], between[1]];
@@ -228,7 +230,7 @@ fn rays_of_error(grids: &[(f64, f64)], error: f64) -> Option<f64> {
     Some(rays_a * (rays_b / rays_a).powf(way))
 }
 
-/// Pixels of a larger picture's linear colours.
+/// Returns the means of a larger picture's linear colours over each pixel, in sRGB, 0 to 255.
 fn means(view: &View, [width, height]: [u32; 2]) -> Vec<[f64; 3]> {
     let side = TRUE_SIDE;
     let mean = |place: u32| {
@@ -242,13 +244,13 @@ fn means(view: &View, [width, height]: [u32; 2]) -> Vec<[f64; 3]> {
     (0..width * height).map(mean).collect()
 }
 
-/// sRGB, 0 to 255, not rounded.
+/// Converts linear light to sRGB, 0 to 255, without rounding.
 fn encoded(linear: f64) -> f64 {
     let linear = linear.clamp(0.0, 1.0);
     255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Mean square of the difference from the truth in both views.
+/// Returns the mean squared difference from the truth over both views, in sRGB.
 fn mean_square(pair: &StereoPair, truth: &[Vec<[f64; 3]>; 2]) -> f64 {
     let colors = [&pair.left, &pair.right].into_iter().zip(truth);
     let squares = colors.flat_map(|(view, truth)| {

@@ -1,24 +1,23 @@
-//! Rays of a pixel at the worst, as the paper's last section discusses them: counted level by level, and in closed
-//! form.
+//! Rays per pixel in the worst cases of the paper's last section: counted level by level, and in closed form.
 
-/// What a scene's surfaces do with a ray.
+/// Effect of a scene's surfaces on a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Surfaces {
-    /// There are none.
+    /// There are no surfaces.
     Misses,
-    /// They ask the lights.
+    /// Surfaces send shadow rays.
     Diffuse,
-    /// They ask the lights, and reflect or refract the ray.
+    /// Surfaces send shadow rays, and reflect or refract the ray.
     DiffuseAndOne,
-    /// They ask the lights, and both reflect and refract it.
+    /// Surfaces send shadow rays, and both reflect and refract the ray.
     DiffuseAndTwo,
-    /// They reflect or refract it.
+    /// Surfaces reflect or refract the ray.
     One,
-    /// They reflect and refract it.
+    /// Surfaces reflect and refract the ray.
     Two,
 }
 
-/// How deep rays go: `hit` levels of rays meet a surface (the paper's v), and no more than `most` are traced (its L).
+/// Depth of rays: `hit` levels of rays meet a surface (the paper's v), and at most `most` levels are traced (its L).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Levels {
     pub(crate) hit: u32,
@@ -26,7 +25,7 @@ pub(crate) struct Levels {
 }
 
 impl Surfaces {
-    /// In the paper's order.
+    /// All kinds, in the paper's order.
     pub(crate) const ALL: [Self; 6] =
         [Self::Misses, Self::Diffuse, Self::DiffuseAndOne, Self::DiffuseAndTwo, Self::One, Self::Two];
 
@@ -41,7 +40,7 @@ impl Surfaces {
         }
     }
 
-    /// What the paper says is saved with five levels, percent of 1 - M.
+    /// Returns the paper's saving with five levels, in percent of 1 - M.
     pub(crate) fn paper(self) -> &'static str {
         match self {
             Self::Misses | Self::Diffuse => "100.0",
@@ -54,7 +53,7 @@ impl Surfaces {
         matches!(self, Self::Diffuse | Self::DiffuseAndOne | Self::DiffuseAndTwo)
     }
 
-    /// Rays that a hit sends on.
+    /// Returns the number of rays that a hit reflects and refracts.
     pub(crate) fn sent(self) -> u64 {
         match self {
             Self::Misses | Self::Diffuse => 0,
@@ -63,12 +62,12 @@ impl Surfaces {
         }
     }
 
-    /// All rays of a pixel that is traced.
+    /// Returns the number of all rays of a traced pixel.
     pub(crate) fn rays(self, levels: Levels, lights: u64) -> u64 {
         self.rays_from(1, levels, lights)
     }
 
-    /// Those that begin with a ray of a level.
+    /// Returns the number of rays in the tree that starts with a ray of this level.
     fn rays_from(self, level: u32, levels: Levels, lights: u64) -> u64 {
         if self == Self::Misses || level > levels.hit {
             return 1;
@@ -78,18 +77,18 @@ impl Surfaces {
         1 + self.shadow_rays(lights) + further
     }
 
-    /// Those of one hit.
+    /// Returns the number of shadow rays of one hit.
     fn shadow_rays(self, lights: u64) -> u64 {
         if self.is_diffuse() { lights } else { 0 }
     }
 
-    /// What is saved of a pixel that is carried over, its own ray and its first hit's shadow rays, as a share of all
-    /// its rays: counted.
+    /// Returns the share of a reused pixel's rays that is saved: its own ray and the shadow rays of its first hit. The
+    /// rays are counted level by level.
     pub(crate) fn saved(self, levels: Levels, lights: u64) -> f64 {
         (1 + self.shadow_rays(lights)) as f64 / self.rays(levels, lights) as f64
     }
 
-    /// The same in the paper's closed forms, where it prints (1 + S)^v read as (1 + S) v.
+    /// Returns the same by the paper's closed forms. The printed power (1 + S)^v is read as the product (1 + S) v.
     pub(crate) fn saved_in_closed_form(self, levels: Levels, lights: u64) -> f64 {
         let (v, s) = (f64::from(levels.hit), lights as f64);
         let cut = levels.hit == levels.most;

@@ -1,21 +1,21 @@
-//! Rays, as the paper counts them.
+//! Ray counts by the paper's rules.
 
 use stereotrace::{Error, Finish, Method, Options, Renderer, Scene, StereoCamera, StereoPair, blocking::Wait};
 
-/// Levels of rays, the paper's L: what it calls common.
+/// Number of ray levels, the paper's L. The paper calls this value common.
 pub(crate) const LEVELS: u32 = 5;
 
-/// Counted, with as many levels.
+/// Returns options with counters and this number of levels.
 pub(crate) fn options(method: Method) -> Options {
     Options::new(method).count(true).bounces(LEVELS - 1)
 }
 
-/// The same scene with dull surfaces in place of mirrors and glass.
+/// Returns the scene with matte surfaces in place of mirrors and glass.
 pub(crate) fn dull(scene: &Scene) -> Scene {
     changed(scene, |finish, _| *finish = Finish::Matte)
 }
 
-/// The same scene with glass that reflects nothing: a ray goes through it, and no other one begins there.
+/// Returns the scene with glass that does not reflect: each ray goes through it without branching.
 pub(crate) fn clear(scene: &Scene) -> Scene {
     changed(scene, |finish, specular| {
         if let Finish::Glass { fresnel, .. } = finish {
@@ -24,7 +24,7 @@ pub(crate) fn clear(scene: &Scene) -> Scene {
     })
 }
 
-/// With another finish, and another share that is reflected, of each material.
+/// Returns the scene with a changed finish and reflected share in each material.
 fn changed(scene: &Scene, change: impl Fn(&mut Finish, &mut f32)) -> Scene {
     let mut other = scene.clone();
     for (index, material) in scene.materials().iter().enumerate() {
@@ -39,10 +39,9 @@ fn changed(scene: &Scene, change: impl Fn(&mut Finish, &mut f32)) -> Scene {
     other
 }
 
-/// The rays of a pair's right view where a pixel that is carried over keeps its first hit's shadow rays too, as it does
-/// in the paper. This library asks the lights anew where the first hit sends rays on, since what is seen there is made
-/// anew as a whole. So the shadow rays of first hits are counted in the dull scene, where no pixel is made anew that is
-/// carried over.
+/// Returns the rays of a pair's right view if reused pixels also kept the shadow rays of their first hits, as in the
+/// paper. This library shades a reused pixel anew if its first hit sends rays on, which includes its shadow rays. So
+/// the shadow rays of first hits are taken from the matte scene, where no reused pixel is shaded anew.
 pub(crate) fn rays_as_in_the_paper(
     renderer: &mut Renderer,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! The paper's random scenes, as far as its text says what is in them, and its figures of them.
+//! The paper's random scenes, rebuilt from its description, and its figures for them.
 
 use stereotrace::{
     Ellipsoid, MaterialId, Scene, StereoCamera,
@@ -11,28 +11,28 @@ use crate::{
     random::{DIFFERING, DISTANCE, DISTANCE_OF_ALL, LEFT_EDGE, PAPER_RAYS, TRACED, WRONG},
 };
 
-/// Where random numbers begin, as in the built-in scenes; of several scenes, those of the first.
+/// Seed of the random numbers, as in the built-in scenes. Further scenes have the following seeds.
 pub(crate) const SEED: u32 = 1993;
-/// The screen's distance before which nothing stands.
+/// Screen distance that is nearer than all objects.
 const BEFORE_ALL: f32 = 9.0;
-/// What a scene of a thousand is larger by if its objects are as large as those of a scene of a hundred.
+/// Factor on the objects' volume that makes objects of a scene of 1000 as large as in a scene of 100.
 const CROWD: f32 = 10.0;
 
-/// Scenes by which it is asked where differences come from.
+/// Number of scenes in the groups that isolate the cause of differences.
 const FEW: usize = 10;
 
-/// Scenes that are one to the paper.
+/// Scenes that the paper treats as one.
 pub(crate) struct Group {
     pub(crate) name: &'static str,
-    /// Where the paper has it.
+    /// Place in the paper.
     pub(crate) place: &'static str,
     pub(crate) scenes: Vec<Scene>,
     pub(crate) camera: StereoCamera,
-    /// What it says, by figure.
+    /// The paper's values, by figure.
     pub(crate) paper: &'static [(&'static str, &'static str)],
 }
 
-/// What it says of 20 objects: (1 - 0.0707) of the rays follows from the first figure.
+/// The paper's values for 20 objects. (1 - 0.0707) of the rays follows from the first figure.
 const TWENTY: &[(&str, &str)] = &[
     (TRACED, "7.07; elsewhere M = 0.15, and never over 0.18"),
     (LEFT_EDGE, "at most 4.39; about half of those traced"),
@@ -43,7 +43,7 @@ const TWENTY: &[(&str, &str)] = &[
     (WRONG, "0: \"absolutely impossible\""),
 ];
 
-/// One in smoke runs.
+/// Returns the groups of scenes; smoke runs have one.
 pub(crate) fn of(plan: &Plan) -> Vec<Group> {
     let camera = Builtin::Random20.camera(plan.side, plan.side);
     let twenty = |seed: u32| RandomObjects::new(20, SEED + seed).sphere_share(0.4).scene();
@@ -77,7 +77,7 @@ pub(crate) fn of(plan: &Plan) -> Vec<Group> {
     groups
 }
 
-/// Without the checkerboard, whose edges move by half a pixel too.
+/// Returns the scene without the checkerboard, whose edges also move by half a pixel.
 fn with_floor_of_one_colour(scene: &Scene) -> Scene {
     let place =
         |name: &str| scene.materials().iter().position(|material| material.name == name).expect("a floor has it");
@@ -89,7 +89,7 @@ fn with_floor_of_one_colour(scene: &Scene) -> Scene {
     other
 }
 
-/// With ellipsoids so many times as large where they stand, so that they meet each other.
+/// Returns the scene with ellipsoids enlarged in place, so that they intersect.
 fn enlarged(scene: &Scene, factor: f32) -> Scene {
     let mut other = scene.clone();
     let first = scene.object_count() - scene.ellipsoids().len();
@@ -100,7 +100,7 @@ fn enlarged(scene: &Scene, factor: f32) -> Scene {
     other
 }
 
-/// A scene with so many of its lights; a single one is twice as bright.
+/// Returns the scene with only its first `count` lights. A single light is twice as bright.
 pub(crate) fn lit(scene: &Scene, count: usize) -> Scene {
     let mut scene = scene.clone();
     scene.lights.truncate(count);

@@ -1,4 +1,4 @@
-//! Pictures of all samples in the corners of pixels, and between them.
+//! Pictures of all samples at the corners of pixels and between them.
 
 use stereotrace::{
     Error, GBuffer, Method, Options, Renderer, Scene, StereoCamera, StereoPair,
@@ -6,8 +6,8 @@ use stereotrace::{
     metrics::{self, Difference},
 };
 
-/// A camera that has a pixel for each sample, `side` of them from a pixel's corner to the next one; the first stands in
-/// the picture's upper left corner.
+/// Returns a camera with one pixel per sample, and `side` samples from one pixel corner to the next. The first sample
+/// is at the picture's upper left corner.
 pub(crate) fn camera(camera: StereoCamera, side: u32) -> Result<StereoCamera, Error> {
     let pose = camera.pose()?;
     let [width, height] = pose.size.map(|pixels| pixels * side);
@@ -15,13 +15,13 @@ pub(crate) fn camera(camera: StereoCamera, side: u32) -> Result<StereoCamera, Er
     Ok(camera.size(width + 1, height + 1).screen_width(screen_width as f32).interaxial(pose.interaxial))
 }
 
-/// All of them, traced.
+/// Traces all samples.
 pub(crate) fn samples(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera) -> Result<StereoPair, Error> {
     let uploaded = renderer.upload(scene).wait()?;
     renderer.pair(&uploaded, camera).options(&Options::new(Method::Naive).g_buffer(GBuffer::Depth)).read().wait()
 }
 
-/// How far colours of pixels are from the true ones.
+/// Compares the colours of pixels with the true ones.
 pub(crate) fn compare(found: &[[u8; 4]], truth: &[[u8; 4]], like: &StereoPair) -> Result<Difference, Error> {
     let view = |rgba8: &[[u8; 4]]| {
         let mut view = like.right.clone();

@@ -1,11 +1,12 @@
-//! Sets the figures of Adelson and Hodges 1993, "Stereoscopic ray-tracing", beside ours: `cargo bench --bench
-//! adelson-hodges`.
+//! Compares the figures of Adelson and Hodges 1993, "Stereoscopic ray-tracing", with this library's: `cargo bench
+//! --bench adelson-hodges`.
 //!
-//! Its random scenes at its size of picture and at both distances between the eyes that its text implies: what is
-//! traced again, what that saves by rays and by counters, and how far the pictures differ; then several rays a pixel,
-//! its worst cases, its table 4, and the scenes in which it fails. Prints a table in Markdown and writes `results.csv`
-//! and `results.json`, whole or not at all. studies/ADELSON-HODGES.md says what comes of it. `cargo bench --bench
-//! adelson-hodges -- --help` lists the options; `cargo test --benches` runs it as `--smoke`.
+//! The paper's random scenes are rendered at its picture size, with both interaxials that its text implies. Measured
+//! are the traced pixels, the savings by rays and by counters, and the difference of the pictures. Further parts are
+//! several rays per pixel, the worst cases, table 4, and the scenes in which the method fails. A table is printed in
+//! Markdown, and `results.csv` and `results.json` are written together or not at all. studies/ADELSON-HODGES.md
+//! discusses the results. `cargo bench --bench adelson-hodges -- --help` lists the options; `cargo test --benches` runs
+//! it as `--smoke`.
 
 mod adaptive;
 mod closed;

@@ -1,4 +1,4 @@
-//! What a method makes of a scene, in the paper's figures.
+//! Measures a method on a scene, in the paper's figures.
 
 use stereotrace::{
     Error, Method, Options, PixelSource, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, View,
@@ -8,29 +8,29 @@ use stereotrace::{
 
 use crate::counts::{options, rays_as_in_the_paper};
 
-/// Of a right view, percent but for distances; savings are of `Naive`'s right view.
+/// Figures of a right view, in percent except for distances. Savings are relative to `Naive`'s right view.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Figures {
-    /// Pixels that are traced again.
+    /// Right pixels that are traced.
     pub(crate) traced: f64,
-    /// Those of them that stand at the left end of their row.
+    /// Traced pixels at the left ends of rows.
     pub(crate) left_edge: f64,
-    /// Rays that are saved.
+    /// Rays saved.
     pub(crate) rays: f64,
-    /// The same where pixels that are carried over keep their shadow rays, as in the paper.
+    /// Rays saved if reused pixels keep their shadow rays, as in the paper.
     pub(crate) rays_as_in_the_paper: f64,
-    /// Nodes and primitive tests that are saved.
+    /// Nodes and primitive tests saved.
     pub(crate) counters: f64,
-    /// The view against `Naive`'s.
+    /// Difference of the view from `Naive`'s.
     pub(crate) difference: Difference,
-    /// Of all distances in RGB, the share that lies on glass.
+    /// Share of the summed RGB distances that lies on glass.
     pub(crate) on_glass: f64,
-    /// And the share of pixels that show another object than the true one.
+    /// Share of the summed RGB distances on pixels that show another object than the true one.
     pub(crate) on_others: f64,
 }
 
 impl Figures {
-    /// The mean distance in RGB of all pixels, identical ones too.
+    /// Returns the mean RGB distance of all pixels, including identical ones.
     pub(crate) fn distance_of_all(&self) -> f64 {
         self.difference.differing_percent / 100.0 * self.difference.mean_difference
     }
@@ -73,7 +73,7 @@ impl<'a> Subject<'a> {
         let pair = self.pair(renderer, method)?;
         let (found, naive) = (&pair.statistics.right, &self.naive.statistics.right);
         let saved = |found: u64, naive: u64| 100.0 * (1.0 - found as f64 / naive as f64);
-        // Of several samples a pixel and of other methods than the paper's it is what was traced.
+        // For several samples per pixel, and for other methods than the paper's, the traced rays count.
         let as_in_the_paper = match method {
             Method::Sweep(_) if self.samples == 1 => rays_as_in_the_paper(renderer, self.scene, &self.camera, &pair)?,
             _ => found.rays.total(),
@@ -90,7 +90,7 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Percentage of all pixels' summed distances in RGB that is due to the pixels whose objects, found and true, are
+    /// Returns the percentage of all pixels' summed RGB distances from pixels whose found and true objects are
     /// `wanted`.
     fn share_of_distances(&self, right: &View, wanted: impl Fn(u32, u32) -> bool) -> f64 {
         let truth = &self.naive.right;
@@ -104,7 +104,7 @@ impl<'a> Subject<'a> {
         if all > 0.0 { 100.0 * share / all } else { 0.0 }
     }
 
-    /// Objects are the floor, then spheres, then ellipsoids.
+    /// Returns whether an object is glass. Objects are the floor, then spheres, then ellipsoids.
     fn is_glass(&self, object: u32) -> bool {
         let meshes = self.scene.object_count() - self.scene.spheres().len() - self.scene.ellipsoids().len();
         let Some(ball) = (object as usize).checked_sub(meshes) else { return false };
@@ -114,7 +114,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Pixels from the left end of each row to the first one that was carried over.
+/// Returns the number of pixels between the left end of each row and its first reused pixel, summed over the rows.
 fn left_edge(pair: &StereoPair) -> usize {
     let rows = pair.source.chunks_exact(pair.right.width as usize);
     rows.map(|row| row.iter().take_while(|source| **source != PixelSource::Reused).count()).sum()

@@ -1,6 +1,6 @@
-//! The paper's first way to several rays a pixel: nine on corners, sides and in the middle, of which neighbours share
-//! all but one. A pixel of the left view is carried over whole, by the depth of its middle ray, the aiming ray; pixels
-//! that none reaches are traced, with all nine.
+//! The paper's first method for several rays per pixel. Nine rays are at a pixel's corners, sides and centre, and
+//! neighbouring pixels share all but the centre one. A left pixel is reused as a whole, by the depth of its centre ray,
+//! the aiming ray. Pixels where none lands are traced with all nine rays.
 
 use std::{error::Error, path::Path};
 
@@ -14,7 +14,7 @@ use crate::{
 };
 use stereotrace::scene::builtin::Builtin;
 
-/// Figures in the order of rows, and the paper's own.
+/// Figures in the order of rows, with the paper's values.
 const FIGURES: [(&str, &str); 6] = [
     ("right pixels traced again, %", "7.84, 9.93% more than with one ray"),
     ("rays saved, %", "almost 80, by time"),
@@ -23,10 +23,10 @@ const FIGURES: [(&str, &str); 6] = [
     ("mean RGB distance of differing pixels", "3.18"),
     ("ghosts: pixels that are carried over and over 30 units off, %", "pictured"),
 ];
-/// A ghost is a dim outline, and what is half a pixel off is not.
+/// Smallest RGB distance of a ghost. Ghosts are dim outlines, while an offset of half a pixel is not a ghost.
 const GHOST: f64 = 30.0;
 
-/// Pixels of a view, each the mean of its nine samples.
+/// Returns a view's pixels, each the mean of its nine samples.
 fn pixels(samples: &View, [width, height]: [u32; 2]) -> Vec<[u8; 4]> {
     let mean = |place: u32| {
         let [x, y] = [2 * (place % width), 2 * (place / width)];
@@ -37,9 +37,9 @@ fn pixels(samples: &View, [width, height]: [u32; 2]) -> Vec<[u8; 4]> {
     (0..width * height).map(mean).collect()
 }
 
-/// The left column that each right pixel takes over, of one row: by the aiming rays' depths, the last one of several;
-/// where two neighbours land more than one pixel apart, those from behind the first to before the second are cleared,
-/// and the second as well with `extra`, the paper's remedy for ghosts.
+/// Returns the left column that each right pixel of a row reuses. The aiming rays' depths decide, and the last of
+/// several columns wins. If two neighbours land more than one pixel apart, the pixels between them are cleared. With
+/// `extra`, the paper's remedy for ghosts, the second neighbour's pixel is cleared too.
 fn carried(frame: &cpu::Frame, depths: &[f32], extra: bool) -> Vec<Option<usize>> {
     let width = depths.len();
     let mut row = vec![None; width];
@@ -97,7 +97,7 @@ fn measure(
 ) -> Result<[f64; 6], Box<dyn Error>> {
     let samples = lattice::samples(renderer, scene, &lattice::camera(camera, 2)?)?;
     let uploaded = renderer.upload(scene).wait()?;
-    // Depths of aiming rays, and what pixels' centres show.
+    // This pair has the depths of the aiming rays and the colours of the pixels' centres.
     let aims =
         renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive).g_buffer(GBuffer::Ids)).read().wait()?;
     let size = aims.pose.size;

@@ -1,26 +1,26 @@
-//! The command line, and the plan that it makes.
+//! The command line, and the plan made from it.
 
 use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
 
-/// Pixels a side of the paper's pictures.
+/// Width and height of the paper's pictures in pixels.
 pub(crate) const PAPER_SIDE: u32 = 512;
 
-/// Sets the figures of Adelson and Hodges 1993, "Stereoscopic ray-tracing", beside ours.
+/// Compares the figures of Adelson and Hodges 1993, "Stereoscopic ray-tracing", with this library's.
 #[derive(Parser, Debug)]
 #[command(name = "cargo bench -p stereotrace-studies --bench adelson-hodges --")]
 pub(crate) struct Options {
-    /// A quick look, not for figures: 64x64, one random scene, into target/bench-smoke/adelson-hodges
+    /// Smoke run with meaningless figures: 64x64, one random scene, into target/bench-smoke/adelson-hodges
     #[arg(long)]
     smoke: bool,
-    /// What is measured [default: all]
+    /// Parts to measure [default: all]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_enum)]
     parts: Vec<Part>,
-    /// Where the results go [default: target/bench/adelson-hodges]
+    /// Folder for the results [default: target/bench/adelson-hodges]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    /// Passed by cargo when it benchmarks; without it this is a smoke run
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -28,9 +28,9 @@ pub(crate) struct Options {
 /// A part of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Part {
-    /// Random scenes at one ray a pixel
+    /// Random scenes with one ray per pixel
     Random,
-    /// Several rays a pixel
+    /// Several rays per pixel
     Samples,
     /// Nine rays with aiming rays
     Nine,
@@ -38,25 +38,25 @@ pub(crate) enum Part {
     Adaptive,
     /// Time
     Times,
-    /// Worst cases, scenes in which the method fails, table 4
+    /// Worst cases, scenes in which the method fails, and table 4
     Worst,
 }
 
-/// What is measured.
+/// Settings of the benchmark.
 pub(crate) struct Plan {
     pub(crate) parts: Vec<Part>,
-    /// Pixels a side.
+    /// Width and height of the pictures in pixels.
     pub(crate) side: u32,
-    /// Distances between the eyes: a fortieth of the width, as the paper describes its renderer, and what its left
-    /// edge of 11,520 pixels in 512 rows amounts to.
+    /// Interaxials in pixels. The first is a fortieth of the width, as the paper describes its renderer. The second
+    /// follows from its left edge of 11,520 pixels in 512 rows.
     pub(crate) e_px: [f32; 2],
-    /// Lights; its "single shadow ray" makes it one, the built-in scenes have five.
+    /// Numbers of lights. The paper's "single shadow ray" implies one; the built-in scenes have five.
     pub(crate) lights: Vec<usize>,
-    /// Random scenes of 20 objects; the paper has 30.
+    /// Number of random scenes with 20 objects; the paper has 30.
     pub(crate) seeds: u32,
-    /// Roots of numbers of samples a pixel.
+    /// Square roots of the numbers of samples per pixel.
     pub(crate) grids: Vec<u32>,
-    /// Rounds that are timed.
+    /// Number of timed rounds.
     pub(crate) rounds: usize,
     pub(crate) smoke: bool,
 }
@@ -78,7 +78,7 @@ impl Options {
         }
     }
 
-    /// Where the results go.
+    /// Returns the folder for the results.
     pub(crate) fn folder(&self) -> PathBuf {
         let target = crate::common::files::root().join("target");
         let standard = target.join(if self.quick() { "bench-smoke/adelson-hodges" } else { "bench/adelson-hodges" });

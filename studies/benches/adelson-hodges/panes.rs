@@ -1,5 +1,5 @@
-//! Scenes in which every ray does the worst that the paper discusses, to the last level: panes that fill the view,
-//! before and behind the eyes.
+//! Scenes of panes in front of and behind the eyes that fill the view. Every ray takes the paper's worst case down to
+//! the last level.
 
 use stereotrace::{
     Finish, Light, Material, Mesh, Scene, StereoCamera,
@@ -8,12 +8,13 @@ use stereotrace::{
 
 use crate::{closed::Surfaces, counts::LEVELS};
 
-/// The first pane before the eyes, in distances of the screen; behind them they begin at half of it.
+/// Distance of the first pane in front of the eyes, in screen distances. The panes behind the eyes start at half of it.
 const FIRST: f32 = 2.0;
-/// Half a pane's side: rays go on between two panes, and none leaves them within so many levels.
+/// Half a pane's side. Panes are large enough that no ray between two of them leaves within `LEVELS` levels.
 const HALF_SIDE: f32 = 12.0;
 
-/// `lights` on either side of all panes, so that each hit has as many before it.
+/// Builds the scene. There are `lights` lights on either side of all panes, so each hit has this number of lights in
+/// front of it.
 pub(crate) fn scene(surfaces: Surfaces, lights: usize) -> Scene {
     let mut scene = Scene::new();
     let glass = Finish::Glass { index: 1.0, transmission: Vec3::splat(0.75), fresnel: false };

@@ -1,4 +1,4 @@
-//! Random scenes at one ray a pixel.
+//! Random scenes with one ray per pixel.
 
 use stereotrace::{Error, Method, Renderer};
 
@@ -22,7 +22,7 @@ const EXACT: &[Method] = &[Method::ADELSON_HODGES, Method::BRACKET, Method::BRAC
 const ITS_OWN: &[Method] = &[Method::ADELSON_HODGES];
 const ALL: [Method; 4] = [Method::ADELSON_HODGES, Method::ATOMIC, Method::BRACKET, Method::BRACKET_RAYS];
 
-/// A figure, the methods of which it is shown, and where it stands.
+/// A figure, the methods it is shown for, and the function that returns its value.
 type Line = (&'static str, &'static [Method], fn(&Figures) -> f64);
 const LINES: [Line; 11] = [
     (TRACED, SAVING, |found| found.traced),
@@ -46,7 +46,7 @@ pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Err
             eprintln!("{}: e = {e_px} px, {lights} of its lights", group.name);
             of_group.extend(measure(renderer, &group, plan.side, e_px, lights)?);
         }
-        // All of a figure together.
+        // Rows of one figure are adjacent.
         of_group.sort_by_key(|row: &Row| LINES.iter().position(|(figure, ..)| *figure == row.claim.figure));
         rows.extend(of_group);
     }

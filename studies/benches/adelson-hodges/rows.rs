@@ -1,4 +1,4 @@
-//! The table: a figure of the paper beside ours, printed in Markdown and written as CSV and JSON.
+//! The table: the paper's figures and this library's, printed in Markdown and written as CSV and JSON.
 
 use std::{
     error::Error,
@@ -14,18 +14,18 @@ use crate::common::{
     records::{self, Record},
 };
 
-/// What the paper says.
+/// A figure of the paper.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Claim {
-    /// Where it says so.
+    /// Place in the paper.
     pub(crate) place: &'static str,
-    /// Of what, with its unit.
+    /// Name of the figure, with its unit.
     pub(crate) figure: &'static str,
-    /// Its own figure, or why there is none.
+    /// The paper's value, or why there is none.
     pub(crate) paper: &'static str,
 }
 
-/// What ours was measured on.
+/// Setting of this library's measurement.
 #[derive(Clone, Debug)]
 pub(crate) struct Setting {
     pub(crate) scene: String,
@@ -35,7 +35,7 @@ pub(crate) struct Setting {
     pub(crate) method: String,
 }
 
-/// The mean of some scenes or rounds, the least and the largest.
+/// Mean, minimum and maximum over several scenes or rounds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Values {
     pub(crate) mean: f64,
@@ -52,7 +52,7 @@ pub(crate) struct Row {
 }
 
 impl Values {
-    /// Of at least one.
+    /// Summarises at least one value.
     pub(crate) fn of(values: &[f64]) -> Self {
         let fold = |start: f64, choose: fn(f64, f64) -> f64| values.iter().copied().fold(start, choose);
         Self {
@@ -71,7 +71,7 @@ impl Values {
     }
 }
 
-/// In Markdown. What the paper says stands in the first row of each claim.
+/// Formats the table in Markdown. The paper's value is in the first row of each claim.
 pub(crate) fn table(rows: &[Row], side: u32, provenance: &Provenance) -> String {
     let mut text = format!(
         "{provenance}\n{side}x{side} pixels; of several scenes or rounds the mean, in brackets the least, the largest \

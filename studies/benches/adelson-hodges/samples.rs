@@ -1,4 +1,4 @@
-//! Several rays a pixel: n x n, as a picture n times as wide and high.
+//! Several rays per pixel: n x n samples, as in a picture n times as wide and high.
 
 use stereotrace::{Error, Method, Renderer, Scene};
 
@@ -32,7 +32,8 @@ pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Err
     Ok(rows)
 }
 
-/// Of one light. The paper's figures are of 20 diffuse objects and 9 rays, of which neighbouring pixels share five.
+/// Measures a scene with one light. The paper's figures are for 20 diffuse objects and 9 rays per pixel, of which
+/// neighbouring pixels share five.
 fn of_scene(
     renderer: &mut Renderer,
     plan: &Plan,

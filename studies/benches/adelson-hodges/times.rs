@@ -1,4 +1,4 @@
-//! What is saved by time. Methods take turns in one run, passes alone.
+//! Savings by time. Methods take turns in one run, and times are of the passes alone.
 
 use std::time::Instant;
 
@@ -11,11 +11,11 @@ use crate::{
     rows::{Claim, Row, Setting, Values},
 };
 
-/// Naive first: it is what is saved of.
+/// Methods. Naive is the first, since savings are relative to it.
 const METHODS: [Method; 5] = [Method::Naive, Method::ADELSON_HODGES, Method::ES_ISLER, Method::ATOMIC, Method::BRACKET];
 
-/// Measures the first random scene of 20: the time saved on the second view, and how much longer a pair of nine samples
-/// takes.
+/// Measures the first random scene of 20 objects. Rows are the time saved on the second view, and the time of a pair of
+/// nine samples relative to one sample.
 pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for &lights in &plan.lights {
@@ -38,7 +38,8 @@ pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Err
             };
             for (index, &method) in METHODS.iter().enumerate() {
                 for (times, paper, samples) in [(&one, "84", 1), (&nine, "almost 80", 9)] {
-                    // Of a round's own naive pair: what else the machine does changes from round to round.
+                    // Times are relative to naive's pair of the same round, since the machine's other load changes
+                    // between rounds.
                     let saved = Spread::of(times.iter().map(|round| 100.0 * (2.0 - 2.0 * round[index] / round[0])));
                     if method != Method::Naive {
                         rows.push(row("saved of the second view's time, %", paper, samples, method, saved.median));
@@ -53,7 +54,7 @@ pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Err
     Ok(rows)
 }
 
-/// A pair's time by each method in each round, milliseconds.
+/// Returns a pair's time by each method in each round, in milliseconds.
 fn of_samples(
     renderer: &mut Renderer,
     scene: &Scene,
@@ -68,11 +69,11 @@ fn of_samples(
             let options = Options::new(METHODS[index]).samples(samples).jitter(false);
             let start = Instant::now();
             let passes = renderer.pair(&uploaded, camera).options(&options).trace().wait()?.times;
-            // Without timestamps, by the host's clock.
+            // Without timestamps the host's clock counts.
             let total = passes.map_or_else(|| start.elapsed(), |passes| passes.total());
             times[index] = total.as_secs_f64() * 1e3;
         }
     }
-    times.remove(0); // it warms up
+    times.remove(0); // the first round warms up
     Ok(times)
 }

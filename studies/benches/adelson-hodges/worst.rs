@@ -1,4 +1,4 @@
-//! The paper's worst cases, rendered; scenes in which its method fails; and its table 4, which is arithmetic.
+//! The paper's worst cases, rendered; scenes in which its method fails; and its table 4, which is calculated.
 
 use stereotrace::{Error, Method, Renderer, testing::suite::Trial};
 
@@ -12,7 +12,7 @@ use crate::{
     rows::{Claim, Row, Setting, Values},
 };
 
-/// Lights on either side of the panes.
+/// Number of lights on either side of the panes.
 const LIGHTS: usize = 2;
 
 pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
@@ -22,7 +22,7 @@ pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Err
     Ok(rows)
 }
 
-/// Savings by rays, in percent of 1 - M, of scenes in which each ray does the worst down to the last level.
+/// Measures savings by rays, in percent of 1 - M, in scenes where each ray takes the worst case down to the last level.
 fn cases(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     let levels = Levels { hit: LEVELS, most: LEVELS };
@@ -54,7 +54,7 @@ fn cases(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Figure 14, and eyes with a wall between them.
+/// Measures the paper's figure 14, and eyes with a wall between them.
 fn failures(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     let wings = Claim {
         place: "figure 14",
@@ -94,7 +94,7 @@ fn failures(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// From where on points behind the screen land so many pixels aside, in distances of the screen.
+/// Returns the depths from which points behind the screen move by each number of pixels, in screen distances.
 fn table_4(plan: &Plan) -> Vec<Row> {
     let of = |e_px: f32| {
         let behind = quanta(f64::from(e_px)).into_iter().filter(|quantum| quantum.to > 0.0);

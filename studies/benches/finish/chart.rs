@@ -1,5 +1,4 @@
-//! The chart: how far the second eye's colours are off, and how dear the first one is, against what the second one
-//! costs.
+//! The chart: the second eye's colour error and the first eye's cost against the second eye's cost.
 
 use std::error::Error;
 
@@ -14,11 +13,11 @@ use crate::{
     },
 };
 
-/// Two panels, one above the other.
+/// Size of the chart, which has two panels, one above the other.
 const SIZE: (u32, u32) = (WIDTH, 960);
 const COST: &str = "cost of the second eye by time (first eye = 1)";
 
-/// A figure, and its least and most over the rounds.
+/// A figure, with its minimum and maximum over the rounds.
 type Figure = fn(&Figures) -> [f64; 3];
 
 pub(crate) fn svg(all: &[Figures], side: u32, provenance: &Provenance) -> Result<String, Box<dyn Error>> {

@@ -1,4 +1,4 @@
-//! What makes a picture good, and its first eye dear.
+//! Features that improve a picture and make its first eye more expensive.
 
 use stereotrace::{
     AmbientOcclusion, Error, Finish, Light, Material, Method, Options, Scene, Sky, SkyMap, Sphere, glam::Vec3,
@@ -6,20 +6,21 @@ use stereotrace::{
 
 use crate::common::scenes::BenchScene;
 
-/// A scene, and how it is rendered.
+/// A scene with its rendering options.
 pub(crate) struct Finished {
     pub(crate) name: &'static str,
     pub(crate) scene: Scene,
     pub(crate) options: Options,
 }
 
-/// Lights that are balls, in shares of the scene's diagonal, and how far occlusion reaches.
+/// Radius of spherical lights and reach of occlusion, as shares of the scene's diagonal.
 const RADIUS: f32 = 0.01;
 const REACH: f32 = 0.1;
-/// Columns of a sky that is a picture.
+/// Width of the sky map in pixels.
 const SKY_WIDTH: u32 = 1024;
 
-/// Of one scene: without lights, with its points, and with one thing after the other besides.
+/// Returns variants of a scene: without lights, with point lights, and with one further feature each. The last one
+/// combines several.
 pub(crate) fn finishes(bench: &BenchScene) -> Result<Vec<Finished>, Error> {
     let plain = Options::new(Method::Naive);
     let points = &bench.scene;
@@ -62,7 +63,7 @@ fn soften(scene: &mut Scene, diagonal: f32) {
     }
 }
 
-/// With a ball in the middle of the picture, a third of its height.
+/// Adds a sphere in the middle of the picture, a third of its height.
 fn with_ball(scene: &Scene, bench: &BenchScene, material: Material) -> Result<Scene, Error> {
     let pose = bench.camera.pose()?;
     let mut scene = scene.clone();

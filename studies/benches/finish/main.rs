@@ -1,11 +1,11 @@
-//! How dear the first eye is with each thing that makes pictures good, and what the second one then costs: `cargo bench
+//! Measures the first eye's cost with each feature that improves pictures, and the second eye's cost then: `cargo bench
 //! --bench finish`.
 //!
-//! Naive, ideal (whose time is the first eye's) and bracket take turns in one run; times are the passes', medians of
-//! the rounds. Counts and colours are of one frame each. Prints a table and writes `finish.csv`, `finish.json` and
-//! `finish.svg`, whole or not at all: the chart of accuracy against cost with a second axis, the first eye's cost.
-//! `cargo bench -p stereotrace-studies --bench finish -- NAME…` takes other scenes: built-in ones, folders of OBJ
-//! files, or paths of .obj, .gltf, .glb or .ply files.
+//! Naive, ideal (whose time is the first eye's) and bracket take turns in one run. Times are of the passes, as medians
+//! of the rounds. Counts and colours are of one frame each. A table is printed, and `finish.csv`, `finish.json` and
+//! `finish.svg` are written all together or not at all. The chart shows the second eye's accuracy and the first eye's
+//! cost against the second eye's cost. `cargo bench -p stereotrace-studies --bench finish -- NAME…` selects other
+//! scenes: built-in ones, folders of OBJ files, or paths of .obj, .gltf, .glb or .ply files.
 
 mod chart;
 #[path = "../../../benches/common/mod.rs"]
@@ -29,24 +29,24 @@ use crate::{
     finishes::{Finished, finishes},
 };
 
-/// Parallax at infinity in pixels, of a picture 600 wide.
+/// Parallax at infinity in pixels, for a picture 600 pixels wide.
 const E_PX: f32 = 15.0;
-/// The ground truth comes first, and then what is the first eye alone, but for a copy.
+/// Methods. The ground truth is the first, and the second is the first eye alone except for a copy.
 const METHODS: [Method; 3] = [Method::Naive, Method::Ideal, Method::BRACKET];
 
-/// What was measured of a scene that is finished so.
+/// Figures of one variant of a scene.
 struct Figures {
     scene: String,
     finish: &'static str,
-    /// The first eye's milliseconds, and how many times those of the same scene without lights.
+    /// Time of the first eye in milliseconds, and its ratio to the time of the same scene without lights.
     first_ms: f64,
     first: Spread,
     naive_ms: f64,
     pair_ms: f64,
-    /// The second eye's cost, the first one's = 1, by time and by counters.
+    /// Cost of the second eye relative to the first, by time and by counters.
     second: Spread,
     second_counters: f64,
-    /// Of the right view against naive's: pixels that differ, percent, and the mean distance in RGB of all pixels.
+    /// Difference of the right view from naive's: percentage of differing pixels, and mean RGB distance of all pixels.
     differing: f64,
     distance: f64,
 }
@@ -96,7 +96,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// `plain_ms` is the first eye's time without lights; 0 if this is it.
+/// Measures a variant. `plain_ms` is the first eye's time without lights, or 0 if this is the variant without lights.
 fn measure(
     renderer: &mut Renderer,
     bench: &BenchScene,
@@ -116,7 +116,7 @@ fn measure(
             times[index].extend((round > 0).then_some(1e3 * total));
         }
     }
-    // What the second eye takes is told round by round.
+    // The second eye's cost is computed in each round.
     let second = Spread::of(times[1].iter().zip(&times[2]).map(|(first, pair)| (pair - first) / first));
     let [naive_ms, first, pair_ms] = times.map(Spread::of);
     let [naive_ms, first_ms, pair_ms] = [naive_ms, first, pair_ms].map(|spread| spread.median);

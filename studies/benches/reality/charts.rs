@@ -1,4 +1,4 @@
-//! Figures as the paper draws them: marked points over even axes, with curves through them.
+//! Charts in the paper's style: marked points on linear axes, with fitted curves.
 
 use std::error::Error;
 
@@ -12,10 +12,10 @@ use crate::{
     fits::Point,
 };
 
-/// A point, and least and most of its y over the rounds where it was timed.
+/// A point, with the minimum and maximum of its y over the rounds if it was timed.
 pub(crate) type Ranged = (Point, Option<[f64; 2]>);
 
-/// Points of one name, or a curve.
+/// Points with a common name, or a curve.
 pub(crate) struct Series {
     name: String,
     points: Vec<Ranged>,
@@ -37,7 +37,7 @@ impl Series {
     }
 }
 
-/// A figure: even axes from 0 on. A curve has the colour of the series before it.
+/// A chart with linear axes from 0. A curve has the colour of the series before it.
 pub(crate) struct Chart<'a> {
     pub(crate) title: &'a str,
     pub(crate) x: &'a str,
@@ -46,7 +46,8 @@ pub(crate) struct Chart<'a> {
 }
 
 impl Chart<'_> {
-    /// As SVG; `source` is where and when its figures were taken. `None` where there is no point to draw.
+    /// Returns the chart as SVG, or `None` if there are no points. `source` tells where and when its figures were
+    /// measured.
     pub(crate) fn svg(&self, source: &str) -> Result<Option<String>, Box<dyn Error>> {
         let shown: Vec<&Series> = self.series.iter().filter(|series| !series.points.is_empty()).collect();
         if shown.is_empty() {
@@ -109,7 +110,7 @@ impl Chart<'_> {
     }
 }
 
-/// A place on an axis, as short as it is round.
+/// Formats a value on an axis, rounded to six decimals.
 fn label(value: &f64) -> String {
     format!("{}", (value * 1e6).round() / 1e6)
 }

@@ -1,4 +1,4 @@
-//! Curves of least squares, as the paper lays them through its figures 15 to 17.
+//! Least-squares curves, as in the paper's figures 15 to 17.
 
 /// A point of a figure.
 pub(crate) type Point = (f64, f64);
@@ -8,7 +8,7 @@ pub(crate) type Point = (f64, f64);
 pub(crate) struct Line {
     pub(crate) intercept: f64,
     pub(crate) slope: f64,
-    /// The share of the variance of y that it explains, 0 to 1; NaN where all y are equal.
+    /// Share of the variance of y that the line explains, 0 to 1; NaN if all y are equal.
     pub(crate) r_squared: f64,
 }
 
@@ -18,12 +18,12 @@ pub(crate) struct Parabola {
     pub(crate) constant: f64,
     pub(crate) linear: f64,
     pub(crate) square: f64,
-    /// As a line's.
+    /// Share of the variance of y that the parabola explains.
     pub(crate) r_squared: f64,
 }
 
 impl Line {
-    /// Through at least two different x, else `None`.
+    /// Fits a line. Returns `None` for fewer than two different x.
     pub(crate) fn through(points: &[Point]) -> Option<Self> {
         let (mean_x, mean_y) = (mean(points, |point| point.0), mean(points, |point| point.1));
         let squares = sum(points, |(x, _)| (x - mean_x).powi(2));
@@ -41,9 +41,9 @@ impl Line {
 }
 
 impl Parabola {
-    /// Through at least three different x, else `None`.
+    /// Fits a parabola. Returns `None` for fewer than three different x.
     pub(crate) fn through(points: &[Point]) -> Option<Self> {
-        // In u = (x - mean) / scale, where sums of fourth powers stay near 1 and that of u is 0.
+        // The fit uses u = (x - mean) / scale. Sums of fourth powers of u stay near 1, and the sum of u is 0.
         let middle = mean(points, |point| point.0);
         let scale = points.iter().map(|(x, _)| (x - middle).abs()).fold(0.0, f64::max);
         let u = |x: f64| (x - middle) / scale;
@@ -52,9 +52,9 @@ impl Parabola {
         let with_y = |exponent: i32| sum(points, |(x, y)| u(x).powi(exponent) * y);
         let [second, third, fourth] = [power(2), power(3), power(4)];
         let [a, b, c] = [with_y(0), with_y(1), with_y(2)];
-        // count p + second r = a; second q + third r = b; second p + third q + fourth r = c.
+        // The normal equations are: count p + second r = a; second q + third r = b; second p + third q + fourth r = c.
         let left = fourth - second * second / count - third * third / second;
-        // Of two different x it is 0 but for rounding.
+        // For only two different x this is 0 up to rounding.
         if left.is_nan() || left <= 1e-9 * count {
             return None;
         }
@@ -63,7 +63,7 @@ impl Parabola {
         let square = r / (scale * scale);
         let linear = q / scale - 2.0 * square * middle;
         let constant = p - q * middle / scale + square * middle * middle;
-        // Of u, since in x large terms may cancel.
+        // The residuals are computed from u, since large terms in x may cancel.
         let of_u = |x: f64| p + q * u(x) + r * u(x) * u(x);
         Some(Self { constant, linear, square, r_squared: r_squared(points, of_u) })
     }
@@ -81,7 +81,7 @@ fn mean(points: &[Point], of: impl Fn(Point) -> f64) -> f64 {
     sum(points, of) / points.len() as f64
 }
 
-/// 1 less the squares that a curve leaves over those about the mean.
+/// Returns 1 - (sum of squared residuals) / (sum of squares about the mean).
 fn r_squared(points: &[Point], curve: impl Fn(f64) -> f64) -> f64 {
     let mean_y = mean(points, |point| point.1);
     1.0 - sum(points, |(x, y)| (y - curve(x)).powi(2)) / sum(points, |(_, y)| (y - mean_y).powi(2))

@@ -1,4 +1,4 @@
-//! Figures 13 to 16: what the buffers gain over the classical ray tracer as objects become more.
+//! Figures 13 to 16: gain of the buffers over the classical ray tracer with an increasing number of objects.
 
 use std::{error::Error, fmt::Write};
 
@@ -14,25 +14,25 @@ use crate::{
     ways::{Rule, Way},
 };
 
-/// Where the paper reads its gains off.
+/// Numbers of objects for which the paper states its gains.
 const READ_AT: [f64; 2] = [500.0, 6000.0];
 
-/// A stack, and what each way to its picture cost.
+/// A stack, and the cost of its picture by each way of rendering.
 struct Stack {
     objects: usize,
     ways: Vec<Measured>,
-    /// Pixels with a wrong shadow by each way that has a shadow-buffer of the figures, percent.
+    /// Percentage of pixels with a wrong shadow, for each way with a shadow-buffer of the figures.
     wrong: Vec<(Way, f64)>,
 }
 
 impl Stack {
-    /// The gain of a way over the classical ray tracer, with the number of objects.
+    /// Returns the number of objects and the gain of a way over the classical ray tracer.
     fn gain(&self, way: Way, by: By) -> Option<Point> {
         Some((self.objects as f64, gain(&self.ways, Way::CLASSICAL, way, by)?))
     }
 
-    /// What the gain of a T-buffer is at most whose shadow rays stay: tests of both kinds of rays over those of shadow
-    /// rays.
+    /// Returns the upper limit on the gain of a T-buffer that leaves shadow rays unchanged. It is the ratio of all
+    /// rays' tests to shadow rays' tests.
     fn limit(&self, side: u32) -> Option<f64> {
         let all = of_way(&self.ways, Way::CLASSICAL)?.work.primitive_tests as f64;
         let primary = f64::from(side).powi(2) * self.objects as f64;
@@ -76,7 +76,7 @@ pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan, report: &mut Report)
     charts(&stacks, &ways, plan, by, report)
 }
 
-/// A row a stack: each way's cost and its gain.
+/// Formats one row per stack, with each way's cost and gain.
 fn table(stacks: &[Stack], ways: &[Way], side: u32, by: By) -> String {
     let mut text = format!(
         "## Figures 13 to 16, by {}\n\n{side}x{side} pixels, one lamp. {}; in brackets the gain over the classical ray \
@@ -107,7 +107,7 @@ fn table(stacks: &[Stack], ways: &[Way], side: u32, by: By) -> String {
     text + "\n"
 }
 
-/// What the paper says of the gains' growth, and ours.
+/// Formats the growth of the gains, with the paper's statements.
 fn fits(stacks: &[Stack], plan: &Plan, by: By) -> String {
     let mut text = String::from("| figure | way | gain a thousand objects (slope) | at none | r² of the line |");
     READ_AT.iter().for_each(|objects| {
@@ -142,8 +142,8 @@ fn fits(stacks: &[Stack], plan: &Plan, by: By) -> String {
     text + "\n"
 }
 
-/// How the cost itself grows: the paper has the classical ray tracer's linear and that of both buffers all but
-/// constant.
+/// Formats the growth of the cost. In the paper the classical ray tracer's cost is linear, and the cost of both buffers
+/// is almost constant.
 fn growth(stacks: &[Stack], plan: &Plan, by: By) -> String {
     let mut text =
         format!("Cost by {} over objects:\n\n| way | most over least | r² of the line |\n|---|---|---|\n", by.name());
@@ -158,7 +158,7 @@ fn growth(stacks: &[Stack], plan: &Plan, by: By) -> String {
     text + "\n"
 }
 
-/// What the gains are bought with: cells of one size for objects that grow smaller.
+/// Formats the error behind the gains: cells keep their size while objects shrink.
 fn wrong_shadows(stacks: &[Stack]) -> String {
     let mut text = "## Wrong shadows in figures 13 to 16\n\nPixels whose colour is not that of traced shadows, \
         percent.\n\n| objects |"
@@ -180,7 +180,7 @@ fn wrong_shadows(stacks: &[Stack]) -> String {
     text + "\n"
 }
 
-/// What the paper could not show: which of the other ways is the cheaper one beside a tree.
+/// Formats the comparison with rays through a tree, which the paper could not make.
 fn against_bvh(stacks: &[Stack], ways: &[Way]) -> String {
     let mut text = "## The same beside a tree\n\nCost of rays through a tree over that of each way, by time and by \
         boxes and primitive tests: above 1 the way wins.\n\n| objects |"
@@ -213,7 +213,7 @@ fn charts(stacks: &[Stack], ways: &[Way], plan: &Plan, by: By, report: &mut Repo
     };
     let gains = |way: Way| {
         let points: Vec<Point> = stacks.iter().filter_map(|stack| stack.gain(way, by)).collect();
-        // Over the classical ray tracer's median: its own spread moves all of them together.
+        // The gain's range relates to the classical ray tracer's median, since its own spread moves all ways together.
         let range = |stack: &Stack| {
             let classical = by.cost(of_way(&stack.ways, Way::CLASSICAL)?)?;
             by.range(of_way(&stack.ways, way)?).map(|[least, most]| [classical / most, classical / least])

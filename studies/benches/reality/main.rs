@@ -1,11 +1,12 @@
-//! Sets the figures of Raghuvanshi and Dhande, "Raytraced rendering using t-buffer and shadow-buffer", beside ours:
-//! `cargo bench -p stereotrace-studies --bench reality`, after the name of their engine.
+//! Compares the figures of Raghuvanshi and Dhande, "Raytraced rendering using t-buffer and shadow-buffer", with this
+//! library's: `cargo bench -p stereotrace-studies --bench reality`. The benchmark has the name of their engine.
 //!
-//! Its stacks of objects by the classical ray tracer, by the T-buffer with and without a shadow-buffer, and by what the
-//! paper could not show, rays through a tree; its three spheres; and its shadow-buffers by resolution. One eye sees
-//! them all, as in the paper. Prints tables in Markdown and writes them with CSV, JSON, charts and pictures, whole or
-//! not at all. studies/REALITY.md says what comes of it. `cargo bench -p stereotrace-studies --bench reality -- --help`
-//! lists the options; `cargo test --benches` runs it as `--smoke`.
+//! The paper's stacks of objects are rendered by the classical ray tracer, and by the T-buffer with and without a
+//! shadow-buffer. Rays through a tree, which the paper could not show, are added. Further parts are its three spheres,
+//! and its shadow-buffers by resolution. One eye sees all scenes, as in the paper. Tables in Markdown are printed, and
+//! written with CSV, JSON, charts and pictures, all together or not at all. studies/REALITY.md discusses the results.
+//! `cargo bench -p stereotrace-studies --bench reality -- --help` lists the options; `cargo test --benches` runs it as
+//! `--smoke`.
 
 mod charts;
 #[path = "../../../benches/common/mod.rs"]

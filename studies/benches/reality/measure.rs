@@ -1,4 +1,4 @@
-//! What ways to a picture cost: each takes its turn in a round, and is counted once.
+//! Measures the cost of ways of rendering: they take turns in each round, and each is counted once.
 
 use std::time::Instant;
 
@@ -16,26 +16,26 @@ use crate::{
     ways::Way,
 };
 
-/// What a way to a picture cost.
+/// Cost of a way of rendering.
 #[derive(Clone, Copy)]
 pub(crate) struct Measured {
     pub(crate) way: Way,
-    /// A frame by the host's clock, milliseconds: the filling of a shadow-buffer is in no pass. `None` where counts
-    /// alone were asked for.
+    /// Frame time by the host's clock in milliseconds, since filling a shadow-buffer belongs to no pass. `None` without
+    /// timed rounds.
     pub(crate) ms: Option<Spread>,
-    /// Its passes.
+    /// Time of its passes in milliseconds.
     passes_ms: Option<Spread>,
-    /// What was counted of the view.
+    /// Counts of the view.
     pub(crate) work: Work,
-    /// And of filling a shadow-buffer.
+    /// Counts of filling a shadow-buffer.
     pub(crate) filling: ShadowBufferWork,
-    /// Some frame did not fit in one dispatch.
+    /// Whether some frame did not fit in one dispatch.
     pub(crate) in_steps: bool,
 }
 
-/// A figure's measurement, and what it was made on.
+/// A measurement for a figure, with its setting.
 pub(crate) struct Sample {
-    /// The paper's figure.
+    /// Number of the paper's figure.
     pub(crate) figure: &'static str,
     pub(crate) objects: usize,
     pub(crate) side: u32,
@@ -43,7 +43,7 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// As results.csv has it.
+    /// Returns the record for results.csv.
     pub(crate) fn record(&self, provenance: &Provenance) -> Record {
         let Measured { way, ms, passes_ms, work, filling, in_steps } = self.measured;
         let number = |spread: Option<Spread>, of: fn(Spread) -> f64| spread.map_or(Value::Null, |one| json!(of(one)));
@@ -83,13 +83,13 @@ pub(crate) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// From the camera's midpoint.
+    /// Makes a view from the camera's midpoint.
     pub(crate) fn of(scene: &'a Scene, camera: StereoCamera) -> Self {
         Self { scene, rig: Rig::at(camera, vec![0.0]) }
     }
 
-    /// What each way costs, in the order of the ways: times of `rounds` rounds after one that warms up, or none for no
-    /// rounds.
+    /// Measures the cost of each way, in the order of `ways`. Times are of `rounds` rounds after a warm-up round.
+    /// Without rounds there are no times.
     pub(crate) fn measure(&self, renderer: &mut Renderer, ways: &[Way], rounds: usize) -> Result<Vec<Measured>, Error> {
         let options: Vec<Options> = ways.iter().map(|way| way.options()).collect();
         let mut scenes = Vec::new();
@@ -104,7 +104,8 @@ impl<'a> View<'a> {
             let turns: Vec<usize> = if ways.len() > 1 { order(round, ways.len()).collect() } else { vec![0] };
             for index in turns {
                 if ways[index].table.is_some_and(|table| !table.kept) {
-                    // A scene keeps its shadow-buffers from frame to frame, and the paper's times have them filled.
+                    // A scene keeps its shadow-buffers between frames. It is uploaded anew, since the paper's times
+                    // include filling them.
                     scenes[index] = renderer.upload_with(self.scene, ways[index].build()).wait()?;
                 }
                 let time = self.time(renderer, &scenes[index], &options[index])?;
@@ -136,7 +137,7 @@ impl<'a> View<'a> {
         Ok(all)
     }
 
-    /// Milliseconds by the host's clock and of the passes, and whether it took several dispatches.
+    /// Returns milliseconds by the host's clock and of the passes, and whether the frame took several dispatches.
     fn time(
         &self,
         renderer: &mut Renderer,
@@ -150,18 +151,18 @@ impl<'a> View<'a> {
     }
 }
 
-/// By how much faster a way is than another, by time or by counts.
+/// Measure of a way's cost: time or counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum By {
     Time,
-    /// Tests of primitives, as the paper explains its gains; those that fill a shadow-buffer too.
+    /// Primitive tests, by which the paper explains its gains. Tests that fill a shadow-buffer are included.
     Tests,
-    /// The same with boxes of a tree, two a node.
+    /// Primitive tests and boxes of a tree, two per node.
     Counters,
 }
 
 impl By {
-    /// Of a way; `None` where it was not timed.
+    /// Returns a way's cost, or `None` if it was not timed.
     pub(crate) fn cost(self, measured: &Measured) -> Option<f64> {
         match self {
             Self::Time => measured.ms.map(|ms| ms.median),
@@ -173,7 +174,7 @@ impl By {
         }
     }
 
-    /// Least and most of that over the rounds, of times.
+    /// Returns the minimum and maximum over the rounds, for times only.
     pub(crate) fn range(self, measured: &Measured) -> Option<[f64; 2]> {
         measured.ms.filter(|_| self == Self::Time).map(|ms| [ms.min, ms.max])
     }
@@ -194,12 +195,12 @@ impl By {
     }
 }
 
-/// The measurement of this way among others.
+/// Returns the measurement of a way.
 pub(crate) fn of_way(all: &[Measured], way: Way) -> Option<&Measured> {
     all.iter().find(|one| one.way == way)
 }
 
-/// How many times as dear the first way is as the second one.
+/// Returns the ratio of the first way's cost to the second way's.
 pub(crate) fn gain(all: &[Measured], dear: Way, cheap: Way, by: By) -> Option<f64> {
     let [dear, cheap] = [dear, cheap].map(|way| of_way(all, way).and_then(|one| by.cost(one)));
     Some(dear? / cheap?).filter(|gain| gain.is_finite())

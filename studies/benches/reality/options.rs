@@ -1,69 +1,70 @@
-//! The command line, and the plan that it makes.
+//! The command line, and the plan made from it.
 
 use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
 use stereotrace::scene::builtin::StackedKind;
 
-/// Pixels a side of the pictures; the paper does not say how many its own had.
+/// Width and height of the pictures in pixels. The paper does not state its own.
 const SIDE: u32 = 512;
 
-/// Sets the figures of Raghuvanshi and Dhande, "Raytraced rendering using t-buffer and shadow-buffer", beside ours.
+/// Compares the figures of Raghuvanshi and Dhande, "Raytraced rendering using t-buffer and shadow-buffer", with this
+/// library's.
 #[derive(Parser, Debug)]
 #[command(name = "cargo bench -p stereotrace-studies --bench reality --")]
 pub(crate) struct Options {
-    /// A quick look, not for figures: 32x32, up to 50 objects, into target/bench-smoke/reality
+    /// Smoke run with meaningless figures: 32x32, up to 50 objects, into target/bench-smoke/reality
     #[arg(long)]
     smoke: bool,
-    /// What is measured [default: all]
+    /// Parts to measure [default: all]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_enum)]
     parts: Vec<Part>,
-    /// Counts alone, no times
+    /// Only count, without timing
     #[arg(long)]
     counts: bool,
-    /// Stacks of triangles in place of spheres
+    /// Stack triangles in place of spheres
     #[arg(long)]
     triangles: bool,
-    /// Rounds that are timed [default: 5]
+    /// Number of timed rounds [default: 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with = "counts")]
     rounds: Option<u32>,
-    /// Where the results go [default: target/bench/reality]
+    /// Folder for the results [default: target/bench/reality]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    /// Passed by cargo when it benchmarks; without it this is a smoke run
     #[arg(long, hide = true)]
     bench: bool,
 }
 
-/// Figures of the paper that belong together.
+/// A group of the paper's figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Part {
-    /// Figures 9 to 12: three spheres on a ground, stacks
+    /// Figures 9 to 12: three spheres on a ground, and stacks
     Pictures,
-    /// Figures 13 to 16: gain over the number of objects
+    /// Figures 13 to 16: gain against the number of objects
     Gains,
-    /// Figure 17: time over the shadow-buffer's resolution
+    /// Figure 17: time against the shadow-buffer's resolution
     Resolution,
-    /// Figure 18: shadows over the shadow-buffer's resolution
+    /// Figure 18: shadows against the shadow-buffer's resolution
     Quality,
 }
 
-/// What is measured.
+/// Settings of the benchmark.
 pub(crate) struct Plan {
     pub(crate) parts: Vec<Part>,
-    /// Pixels a side.
+    /// Width and height of the pictures in pixels.
     pub(crate) side: u32,
     pub(crate) kind: StackedKind,
-    /// How many objects are stacked, figures 13 to 16.
+    /// Numbers of stacked objects in figures 13 to 16.
     pub(crate) objects: Vec<usize>,
-    /// Rows of the shadow-buffers of figures 15 and 16.
+    /// Rows of the shadow-buffers in figures 15 and 16.
     pub(crate) gain_rows: [u32; 2],
-    /// And of figures 17 and 18.
+    /// Rows of the shadow-buffers in figures 17 and 18.
     pub(crate) time_rows: Vec<u32>,
     pub(crate) quality_rows: Vec<u32>,
-    /// Objects of figures 17 and 18.
+    /// Number of objects in figures 17 and 18.
     pub(crate) fixed_objects: usize,
-    /// Rounds that are timed; 0 for counts alone.
+    /// Number of timed rounds; 0 for counts alone.
     pub(crate) rounds: usize,
 }
 
@@ -87,7 +88,7 @@ impl Options {
         }
     }
 
-    /// Where the results go.
+    /// Returns the folder for the results.
     pub(crate) fn folder(&self) -> PathBuf {
         let target = crate::common::files::root().join("target");
         let standard = target.join(if self.quick() { "bench-smoke/reality" } else { "bench/reality" });

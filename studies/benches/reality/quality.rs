@@ -1,4 +1,4 @@
-//! Figures 9 to 12 and 18: pictures, and how many of their pixels have a wrong shadow.
+//! Figures 9 to 12 and 18: pictures, and their pixels with a wrong shadow.
 
 use std::{error::Error, fmt::Write};
 
@@ -18,14 +18,14 @@ use crate::{
     ways::{Rule, Table, Way},
 };
 
-/// The paper's three configurations, and its figures of them.
+/// The paper's three configurations, with the numbers of their figures.
 const CONFIGURATIONS: [(&str, Builtin); 3] =
     [("9", Builtin::ThreeSpheres), ("10", Builtin::ThreeSpheresMirrors), ("11", Builtin::ThreeSpheresTextured)];
 
-/// Objects of the paper's figure 12.
+/// Numbers of objects in the paper's figure 12.
 const STACKED: [usize; 3] = [3, 50, 100];
 
-/// One eye's view by a way.
+/// Renders one eye's view in a way.
 pub(crate) fn view(
     renderer: &mut Renderer,
     scene: &Scene,
@@ -37,7 +37,7 @@ pub(crate) fn view(
     Ok(views.views.remove(0))
 }
 
-/// How many pixels have another colour than the true one, darker ones and brighter ones.
+/// Numbers of pixels that are darker or brighter than the true ones.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Wrong {
     darker: usize,
@@ -63,7 +63,7 @@ impl Wrong {
         100.0 * (self.darker + self.brighter) as f64 / self.pixels as f64
     }
 
-    /// As shadows.csv has it.
+    /// Returns the record for shadows.csv.
     pub(crate) fn record(&self, figure: &str, scene: &str, side: u32, way: Way) -> Record {
         let of_table = |of: fn(Table) -> Value| way.table.map_or(Value::Null, of);
         vec![
@@ -80,7 +80,7 @@ impl Wrong {
     }
 }
 
-/// Figure 12: stacks of as many objects as there, and how much of the view they fill.
+/// Renders figure 12: stacks of the paper's numbers of objects, and the share of the view that they fill.
 pub(crate) fn stacks(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
     report.text += "## Figure 12\n\n| objects | pixels that show one, % |\n|---|---|\n";
     for objects in STACKED {
@@ -95,7 +95,7 @@ pub(crate) fn stacks(renderer: &mut Renderer, plan: &Plan, report: &mut Report) 
     Ok(())
 }
 
-/// Figures 9 to 11: the three configurations, by every way that traces shadows the same picture.
+/// Renders figures 9 to 11: the three configurations. All ways that trace shadows should give the same picture.
 pub(crate) fn pictures(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
     let ways = [Way::CLASSICAL, Way::T_BUFFER, Way::BVH, Way::BVH_T_BUFFER];
     report.text += "## Figures 9 to 11\n\nPixels that differ from the classical ray tracer's; the paper's pictures by \
@@ -117,7 +117,7 @@ pub(crate) fn pictures(renderer: &mut Renderer, plan: &Plan, report: &mut Report
             let _ = write!(report.text, " {} |", wrong.darker + wrong.brighter);
         }
         report.text += "\n";
-        // The last configuration has the shadow-buffer on.
+        // The paper's last configuration uses the shadow-buffer.
         let shown = match builtin {
             Builtin::ThreeSpheresTextured => view(renderer, &scene, camera, Way::both(plan.quality_rows[0]))?,
             _ => truth,
@@ -128,7 +128,7 @@ pub(crate) fn pictures(renderer: &mut Renderer, plan: &Plan, report: &mut Report
     Ok(())
 }
 
-/// Figure 18: wrong shadows by resolution, of three textured spheres on a ground and of a stack.
+/// Renders figure 18: wrong shadows against resolution, for three textured spheres on a ground and for a stack.
 pub(crate) fn shadows(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
     report.text += "## Figure 18\n\nThe paper's rule is that of objects. Pixels whose colour is not that of traced \
         shadows, percent, and of these the share that is darker than it \
@@ -175,7 +175,7 @@ pub(crate) fn shadows(renderer: &mut Renderer, plan: &Plan, report: &mut Report)
     report.chart("figure-18", chart)
 }
 
-/// The true picture in grey, with wrong pixels marked: red where too dark, blue where too bright.
+/// Returns the true picture in grey with wrong pixels marked: red if too dark, blue if too bright.
 fn marked(found: &RigView, truth: &RigView) -> Picture {
     let mark = |(found, truth): (&[u8; 4], &[u8; 4])| {
         let light = |[red, green, blue, _]: &[u8; 4]| u32::from(*red) + u32::from(*green) + u32::from(*blue);

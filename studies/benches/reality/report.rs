@@ -1,4 +1,4 @@
-//! What the benchmark says: text for the terminal, and files that appear together.
+//! The benchmark's report: text for the terminal, and files that are written together.
 
 use std::{
     error::Error,
@@ -17,14 +17,14 @@ use crate::{
     measure::Sample,
 };
 
-/// What was found so far.
+/// Results collected while the benchmark runs.
 pub(crate) struct Report {
     pub(crate) provenance: Provenance,
-    /// In Markdown.
+    /// Text in Markdown.
     pub(crate) text: String,
-    /// What results.csv has.
+    /// Measurements for results.csv.
     pub(crate) samples: Vec<Sample>,
-    /// What shadows.csv has.
+    /// Records for shadows.csv.
     pub(crate) shadows: Vec<Record>,
     charts: Vec<(String, String)>,
     pub(crate) pictures: Vec<(String, Picture)>,
@@ -42,7 +42,7 @@ impl Report {
         Ok(())
     }
 
-    /// Writes all files of the report; none takes its name before all are written.
+    /// Writes all files of the report. No file gets its final name before all are written.
     pub(crate) fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
         fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
         let samples: Vec<Record> = self.samples.iter().map(|sample| sample.record(&self.provenance)).collect();
@@ -64,7 +64,7 @@ impl Report {
     }
 }
 
-/// A figure of about three digits, or that there is none.
+/// Formats a figure with about three digits, or a dash if there is none.
 pub(crate) fn number(value: Option<f64>) -> String {
     match value {
         None => "-".into(),

@@ -1,79 +1,80 @@
-//! The ways to a picture that are compared: how first hits are found, what rays go through, and how shadows are.
+//! Ways of rendering that are compared: how first hits and shadows are found, and which structure rays are traced
+//! through.
 
 use std::fmt;
 
 use stereotrace::{BvhBuild, Method, Options, ShadowBuffer, ShadowRule, Visibility};
 
-/// A way to a picture of one eye.
+/// A way of rendering one eye's picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Way {
-    /// What rays go through: a list of all objects, or else a tree.
+    /// Whether rays test a list of all objects instead of a tree.
     list: bool,
-    /// First hits object by object, by the T-buffer; else by rays.
+    /// Whether first hits come from the T-buffer, object by object, instead of rays.
     t_buffer: bool,
-    /// Shadows by a shadow-buffer; else by rays.
+    /// The shadow-buffer, or `None` for shadow rays.
     pub(crate) table: Option<Table>,
 }
 
 /// A shadow-buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Table {
-    /// There are twice as many columns.
+    /// Number of rows; there are twice as many columns.
     pub(crate) rows: u32,
     pub(crate) rule: Rule,
-    /// It is filled once and kept from frame to frame, since it does not depend on the eye; else it is filled in each
-    /// frame.
+    /// Whether the buffer is filled once and kept between frames, since it does not depend on the eye. Otherwise it is
+    /// filled in each frame.
     pub(crate) kept: bool,
 }
 
-/// What a point makes of a shadow-buffer.
+/// Rule by which a point is lit from a shadow-buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rule {
-    /// The paper's: lit where its own object is the nearest one.
+    /// The paper's rule: a point is lit if its own object is the nearest.
     Object,
-    /// Lit where nothing is nearer by more than a bias.
+    /// A point is lit if nothing is nearer by more than a bias.
     Depth,
-    /// What cells around it agree on, and rays elsewhere.
+    /// The surrounding cells decide if they agree; otherwise a ray is traced.
     Hybrid,
 }
 
 impl Way {
     /// The classical ray tracer: every ray is tested against every object.
     pub(crate) const CLASSICAL: Self = Self { list: true, t_buffer: false, table: None };
-    /// The paper's T-buffer without its shadow-buffer: shadow rays go through the list.
+    /// The paper's T-buffer without its shadow-buffer: shadow rays are tested against the list.
     pub(crate) const T_BUFFER: Self = Self { t_buffer: true, ..Self::CLASSICAL };
-    /// Rays through a tree.
+    /// All rays are traced through a tree.
     pub(crate) const BVH: Self = Self { list: false, ..Self::CLASSICAL };
-    /// The T-buffer with shadow rays through a tree.
+    /// The T-buffer, with shadow rays traced through a tree.
     pub(crate) const BVH_T_BUFFER: Self = Self { t_buffer: true, ..Self::BVH };
 
-    /// The paper's both buffers, by its own rule. What few rays are left, and those that fill the table, go through a
-    /// tree.
+    /// Returns the paper's two buffers with its own rule. The few remaining rays, and those that fill the
+    /// shadow-buffer, are traced through a tree.
     pub(crate) fn both(rows: u32) -> Self {
         Self { t_buffer: true, ..Self::bvh_shadow_buffer(rows) }
     }
 
-    /// Rays through a tree for first hits, a shadow-buffer for the others.
+    /// Returns rays through a tree for first hits, with a shadow-buffer in place of shadow rays.
     pub(crate) fn bvh_shadow_buffer(rows: u32) -> Self {
         Self { table: Some(Table { rows, rule: Rule::Object, kept: false }), ..Self::BVH }
     }
 
-    /// The same with another rule for the shadow-buffer, if it has one.
+    /// Sets the rule of the shadow-buffer, if there is one.
     pub(crate) fn rule(self, rule: Rule) -> Self {
         Self { table: self.table.map(|table| Table { rule, ..table }), ..self }
     }
 
-    /// The same with a shadow-buffer that is kept, if it has one.
+    /// Keeps the shadow-buffer between frames, if there is one.
     pub(crate) fn kept(self) -> Self {
         Self { table: self.table.map(|table| Table { kept: true, ..table }), ..self }
     }
 
-    /// What a scene is uploaded with.
+    /// Returns how the scene's tree is built.
     pub(crate) fn build(self) -> BvhBuild {
         if self.list { BvhBuild::Flat } else { BvhBuild::Balanced }
     }
 
-    /// What it is rendered with.
+    /// Returns the rendering options.
     pub(crate) fn options(self) -> Options {
         let visibility = if self.t_buffer { Visibility::TBuffer } else { Visibility::Rays };
         let table = self.table.map(|table| {
@@ -98,7 +99,7 @@ impl fmt::Display for Rule {
 }
 
 impl fmt::Display for Way {
-    /// As tables show it: `T-buffer, shadow-buffer 400x800`, with the rule where it is not the paper's.
+    /// Formats a way as `T-buffer, shadow-buffer 400x800`. The rule follows if it is not the paper's.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let first = match (self.t_buffer, self.list) {
             (false, true) => "classical",

@@ -1,13 +1,13 @@
-//! Shadow-buffers against shadow rays: `cargo bench -p stereotrace-studies --bench shadows` prints tables, and writes
-//! them as shadows.csv with a chart, shadows.svg, to target/bench.
+//! Compares shadow-buffers with shadow rays: `cargo bench -p stereotrace-studies --bench shadows` prints tables. It
+//! writes them as shadows.csv with a chart, shadows.svg, to target/bench.
 //!
-//! Of each scene, method, rule and number of rows: how many pixels of both views are not those of the same method by
-//! shadow rays, and how many of its shadow rays are saved over a pair, over a rig of 16 views, and over 16 pairs of a
-//! camera that moves aside; what filling its tables takes, and what they occupy. Times are those of a pair's passes
-//! with tables that are filled, and of the same by rays, in turns; filling is timed by the host's clock. Names of
-//! scenes choose others than the usual ones; `--rows 100,400`, `--rules object,depth,0.1,0.5` (numbers are margins of
-//! hybrid ones), `--methods naive,bracket`, `--size 600x600` and `--rounds 5` do what they say; `--rounds 0` takes no
-//! times.
+//! The tables have one row per scene, method, rule and number of rows. Wrong pixels of both views are those that differ
+//! from the same method with shadow rays. Saved shadow rays are counted over a pair, a rig of 16 views, and 16 pairs of
+//! a camera that moves sideways. Further columns show the work of filling the shadow-buffers and their size. Times of a
+//! pair's passes are measured in turns, with filled buffers and with rays. Filling is timed by the host's clock. Scene
+//! names select other scenes than the default ones. The options are `--rows 100,400`, `--rules object,depth,0.1,0.5`
+//! (numbers are margins of hybrid rules), `--methods naive,bracket`, `--size 600x600` and `--rounds 5`. `--rounds 0`
+//! measures no times.
 
 mod chart;
 #[path = "../../../benches/common/mod.rs"]
@@ -28,13 +28,13 @@ use crate::common::{
     scenes::{self, BenchScene},
 };
 
-/// Views of the rig, pairs of the moving camera.
+/// Number of views of the rig, and of pairs of the moving camera.
 const VIEWS: usize = 16;
-/// Parallax at infinity between the rig's neighbours, in pixels, and between those of the moving camera's pairs.
+/// Parallax at infinity between neighbouring views of the rig, in pixels.
 const NEIGHBOURS: f32 = 2.0;
 const E_PX: f32 = 15.0;
 
-/// What the command line asks for.
+/// Options of the command line.
 struct Asked {
     scenes: Vec<String>,
     size: [u32; 2],
@@ -131,27 +131,27 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What is told of a scene, method, rule and number of rows.
+/// Figures of a scene, method, rule and number of rows.
 struct Figures {
     scene: String,
     method: Method,
     rule: ShadowRule,
     rows: u32,
-    /// Percent of the pixels.
+    /// Percentage of wrong pixels.
     wrong: f64,
-    /// Percent of the shadow rays, over a pair, the rig and the pairs.
+    /// Percentages of shadow rays saved over a pair, the rig, and the pairs of the moving camera.
     saved: [f64; 3],
-    /// Shadow rays of a pair.
+    /// Number of shadow rays of a pair.
     rays: u64,
     filled: u64,
-    /// Projections of primitives and tests that fill the tables.
+    /// Numbers of primitive projections and of tests that fill the buffers.
     fill_counts: [u64; 2],
     bytes: u64,
-    /// A pair's passes, the same by rays, and filling.
+    /// Milliseconds of a pair's passes, of the same pair by rays, and of filling.
     ms: [f64; 3],
 }
 
-/// One of those that take turns.
+/// One of the variants that take turns.
 struct Case {
     options: Options,
     uploaded: UploadedScene,
@@ -191,7 +191,7 @@ fn measure(
             let options = plain.clone().shadow_buffer(ShadowBuffer::new(rows).rule(rule));
             cases.push(Case::new(renderer, bench, options)?);
         }
-        // The first round compiles kernels and fills tables.
+        // The first round compiles kernels and fills shadow-buffers.
         for round in 0..=asked.rounds {
             for index in order(round, cases.len()) {
                 let Case { options, uploaded, times } = &mut cases[index];
@@ -244,8 +244,8 @@ fn measure(
     Ok(())
 }
 
-/// What filling a scene's tables takes: counts, and milliseconds, those of a first small frame less those of a second
-/// one.
+/// Returns the counts of filling a scene's shadow-buffers, and the milliseconds. The time is the difference between a
+/// first and a second small frame.
 fn filling(
     renderer: &mut Renderer,
     bench: &BenchScene,
@@ -268,7 +268,7 @@ fn filling(
     Ok((work, least))
 }
 
-/// Shadow rays.
+/// Numbers of shadow rays over a pair, the rig, and the pairs of the moving camera.
 struct Rays {
     pair: u64,
     rig: u64,
@@ -291,7 +291,7 @@ impl Rays {
         let mut film = 0;
         let pose = camera.pose()?;
         for frame in 0..VIEWS {
-            // A step of an interaxial each.
+            // Each step is one interaxial.
             let aside = pose.right * (pose.interaxial * (frame as f32 - 0.5 * VIEWS as f32));
             let eye = pose.eye + aside.as_dvec3();
             let moved = camera.eye(eye).target(eye + (pose.screen_distance * pose.forward).as_dvec3());
@@ -301,7 +301,7 @@ impl Rays {
     }
 }
 
-/// Share of the pixels of both views whose colours differ, percent.
+/// Returns the percentage of the pixels of both views whose colours differ.
 fn wrong_percent(pair: &StereoPair, truth: &StereoPair) -> f64 {
     let differing = |a: &View, b: &View| a.rgba8.iter().zip(&b.rgba8).filter(|(a, b)| a != b).count();
     let wrong = differing(&pair.left, &truth.left) + differing(&pair.right, &truth.right);

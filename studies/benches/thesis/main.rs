@@ -1,9 +1,10 @@
-//! The thesis's benchmarks (Al-Hagri 2012, chapter 5) in one program, and their report: `cargo bench -p
+//! The thesis's benchmarks (Al-Hagri 2012, chapter 5) and their report in one program: `cargo bench -p
 //! stereotrace-studies --bench thesis`.
 //!
-//! Dimensions, interaxial distance and lights, with accuracy in each. The quick profile takes some minutes on two
-//! cores, `--full` all of the thesis's steps. Results are kept after every configuration, and an interrupted run goes
-//! on where it stopped. Writes results.json, results.csv, an SVG a plot and report.html.
+//! Picture size, interaxial and number of lights are varied, and accuracy is measured in each case. The quick profile
+//! takes some minutes on two cores; `--full` measures all of the thesis's steps. Results are saved after every
+//! configuration, and an interrupted run continues from there. The output is results.json, results.csv, one SVG per
+//! plot and report.html.
 
 #[path = "../../../benches/common/mod.rs"]
 mod common;
@@ -33,39 +34,39 @@ use crate::{
     report::{Content, Stability},
 };
 
-/// The thesis's scenes, as far as they are to be had: scenes/README.md and studies/THESIS.md say how they stand to its
-/// own.
+/// The thesis's scenes, or the available substitutes. scenes/README.md and studies/THESIS.md compare them with the
+/// thesis's own.
 const SCENES: [&str; 5] = ["spheres", "spheres-turned", "sponza_4x", "buddha_1m2", "dragon"];
-/// The built-in scenes that show where right pixels come from, and the size and interaxial they are shown at.
+/// Built-in scenes that show the sources of right pixels, with the size and interaxial of their pictures.
 const SHOWN: [&str; 2] = ["spheres", "hall"];
 const SHOWN_SIZE: [u32; 2] = [480, 300];
 const SHOWN_E_PX: f32 = 12.0;
-/// The scene of the sweeps over interaxial and lights.
+/// Scene of the sweeps over interaxial and lights.
 const SWEPT: &str = "dragon";
-/// Picture size, interaxial in pixels and lights where they are not swept.
+/// Picture size, interaxial in pixels and number of lights, where they are not swept.
 const SIZE: u32 = 600;
 const E_PX: f32 = 15.0;
 const LIGHTS: usize = 5;
-/// What an interrupted run goes on from.
+/// File from which an interrupted run continues.
 const RESULTS: &str = "results.json";
 
-/// The thesis's benchmarks, and their report.
+/// Runs the thesis's benchmarks and writes their report.
 #[derive(Parser, Debug)]
 #[command(name = "cargo bench -p stereotrace-studies --bench thesis --")]
 struct Arguments {
-    /// All of the thesis's steps: hours on a CPU
+    /// All of the thesis's steps, which take hours on a CPU
     #[arg(long, conflicts_with = "smoke")]
     full: bool,
-    /// A quick look, not for figures: 64x64, the spheres
+    /// Smoke run with meaningless figures: 64x64, the spheres
     #[arg(long)]
     smoke: bool,
-    /// Begin anew, whatever results there are
+    /// Start anew and discard earlier results
     #[arg(long)]
     fresh: bool,
-    /// Where results go [default: target/bench/thesis, with -full behind it or target/bench-smoke/thesis]
+    /// Folder for the results [default: target/bench/thesis, target/bench/thesis-full or target/bench-smoke/thesis]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    /// Passed by cargo when it benchmarks; without it this is a smoke run
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -76,7 +77,7 @@ struct Step {
     scene: &'static str,
     width: u32,
     e_px: f32,
-    /// `None`: the scene's own five.
+    /// Number of lights; `None` for the scene's own five.
     lights: Option<usize>,
     methods: Vec<Method>,
 }
@@ -121,7 +122,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Measures the steps that are not among the records yet, and saves them all after each.
+/// Measures the steps that have no records yet, and saves all records after each step.
 fn measure_steps(
     renderer: &mut Renderer,
     steps: &[Step],
@@ -172,13 +173,13 @@ fn buffer(slots: u32) -> Method {
     Method::Buffer(BufferDepth::Fixed(slots), Check::All)
 }
 
-/// What is measured everywhere: the thesis's methods, and this project's own.
+/// Returns the methods of every step: the thesis's, and this project's own.
 fn main_methods() -> Vec<Method> {
     let thesis = [Method::Naive, Method::Ideal, Method::ATOMIC, Method::BUFFER, Method::ES_ISLER];
     thesis.into_iter().chain([Method::BRACKET, Method::VERIFIED]).collect()
 }
 
-/// The main methods, and the choices within them.
+/// Returns the main methods and their variants.
 fn all_methods() -> Vec<Method> {
     let edges = Method::Atomic(Check::Edges);
     let twice = Method::Buffer(BufferDepth::TwiceInteraxial, Check::All);
@@ -207,7 +208,8 @@ fn smoke_steps() -> Vec<Step> {
     ["dimensions", "interaxial", "lights"].map(step).into()
 }
 
-/// The thesis's benchmarks of errors: the same measurements, of the scene that it shows.
+/// Returns the records of the thesis's error benchmarks. They are the same measurements, for the scene that the thesis
+/// shows.
 fn errors(records: &[Record]) -> Vec<Record> {
     let suites = [("dimensions", "mse-dimensions"), ("interaxial", "mse-interaxial")];
     let of = |(from, to): (&'static str, &str)| {
@@ -223,7 +225,7 @@ fn is_of(record: &Record, step: &Step, method: Method) -> bool {
         == (step.suite, step.scene, step.width, step.e_px, step.lights.unwrap_or(LIGHTS), &method.to_string())
 }
 
-/// The records of a run that was interrupted.
+/// Returns the records of an interrupted run.
 fn earlier(path: &Path, provenance: &Provenance) -> Result<Vec<Record>, Box<dyn Error>> {
     let text = match fs::read_to_string(path) {
         Ok(text) => text,
@@ -299,7 +301,7 @@ fn record(step: &Step, measured: &Measured, figures: &MethodFigures, plan: &Plan
     }
 }
 
-/// One line a record; the passes are left to results.json.
+/// Formats records as CSV, one per line. Passes are only in results.json.
 fn csv(records: &[Record]) -> Result<String, Box<dyn Error>> {
     let mut text = String::new();
     for (index, record) in records.iter().enumerate() {

@@ -1,5 +1,4 @@
-//! The report's pictures: what each method sees, how far it is from naive, what it costs, and where right pixels come
-//! from.
+//! The report's pictures: views by each method, differences from naive, costs, and sources of right pixels.
 
 use std::{error::Error, io::Cursor};
 
@@ -16,10 +15,10 @@ use crate::{
     report::{Picture, Sources},
 };
 
-/// Differences are shown this many times as large.
+/// Factor by which differences are amplified.
 const GAIN: u32 = 8;
 
-/// Of every scene and of the methods that differ in their pictures.
+/// Renders the pictures of every scene, for naive and the methods whose pictures differ.
 pub(crate) fn of(
     renderer: &mut Renderer,
     names: &[&str],
@@ -65,7 +64,7 @@ pub(crate) fn of(
     Ok(pictures)
 }
 
-/// Where `bracket` got right pixels from, on built-in scenes.
+/// Renders pictures that show the sources of `bracket`'s right pixels, on built-in scenes.
 pub(crate) fn sources(
     renderer: &mut Renderer,
     names: &[&str],
@@ -109,7 +108,7 @@ pub(crate) fn sources(
     Ok(all)
 }
 
-/// What all but a thousandth of the pixels cost less than.
+/// Returns the cost that all but a thousandth of the pixels stay below.
 fn white(view: &View) -> u32 {
     let mut costs = view.cost.clone();
     costs.sort_unstable();

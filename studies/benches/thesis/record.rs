@@ -1,16 +1,16 @@
-//! What is kept of a measurement: one record a method and configuration.
+//! Records of measurements: one per method and configuration.
 
 use serde::{Deserialize, Serialize};
 
 /// One method in one configuration. Times are medians over the rounds, in milliseconds, of the passes alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Record {
-    /// Which benchmark of the thesis: `dimensions`, `interaxial`, `lights`, `mse-dimensions`, `mse-interaxial`.
+    /// Benchmark of the thesis: `dimensions`, `interaxial`, `lights`, `mse-dimensions` or `mse-interaxial`.
     pub(crate) suite: String,
     pub(crate) scene: String,
     pub(crate) triangles: usize,
     pub(crate) spheres: usize,
-    /// A name of `stereotrace::Method`.
+    /// Name of a `stereotrace::Method`.
     pub(crate) method: String,
     pub(crate) width: u32,
     pub(crate) height: u32,
@@ -21,24 +21,24 @@ pub(crate) struct Record {
     pub(crate) pair_ms: f64,
     pub(crate) pair_ms_min: f64,
     pub(crate) pair_ms_max: f64,
-    /// Pairs a second.
+    /// Pairs per second.
     pub(crate) fps: f64,
-    /// (pair - left) / left, by time and by counters.
+    /// Cost of the second eye, (pair - left) / left, by time and by counters.
     pub(crate) second_eye: f64,
     pub(crate) second_eye_counters: f64,
-    /// Naive pair / pair - 1, by time and by counters (1 = 100%).
+    /// Speed-up, naive pair / pair - 1, by time and by counters (1 = 100%).
     pub(crate) speed_up: f64,
     pub(crate) speed_up_counters: f64,
-    /// The right view against naive's, percent of the pixels.
+    /// Difference of the right view from naive's, in percent of the pixels.
     pub(crate) identical: f64,
     pub(crate) differing: f64,
     pub(crate) wrong_surface: f64,
-    /// The same two, percent of the pixels in which either view shows a surface.
+    /// The same figures, in percent of the pixels in which either view shows a surface.
     pub(crate) identical_of_surfaces: f64,
     pub(crate) wrong_of_surfaces: f64,
     pub(crate) mean_difference: f64,
     pub(crate) mse: f64,
-    /// `None` where the pictures are the same.
+    /// PSNR in dB, or `None` if the pictures are equal.
     pub(crate) psnr: Option<f64>,
     /// Counts of both eyes.
     pub(crate) rays_primary: u64,
@@ -46,13 +46,13 @@ pub(crate) struct Record {
     pub(crate) rays_shadow: u64,
     pub(crate) nodes: u64,
     pub(crate) primitive_tests: u64,
-    /// Share of the right pixels that were traced, 0 to 1.
+    /// Share of traced right pixels, 0 to 1.
     pub(crate) retraced: f64,
     pub(crate) bad: u64,
     pub(crate) missed: u64,
     pub(crate) lost_candidates: u64,
-    /// Slots a right pixel, of buffers only, and the nanoseconds that storing and searching them take a slot and
-    /// pixel.
+    /// Number of slots per right pixel, for buffers only, and the nanoseconds per slot and pixel for storing and
+    /// searching them.
     pub(crate) buffer_depth: u32,
     pub(crate) slot_ns: Option<f64>,
     pub(crate) intermediate_bytes_per_pixel: f64,
@@ -61,6 +61,6 @@ pub(crate) struct Record {
     pub(crate) adapter: String,
     pub(crate) driver: String,
     pub(crate) commit: String,
-    /// UTC, as 2012-06-30T23:59:59Z.
+    /// Date and time in UTC, as 2012-06-30T23:59:59Z.
     pub(crate) date: String,
 }

@@ -1,4 +1,4 @@
-//! The plots of accuracy against what the second eye costs, by time and by counters.
+//! Plots of accuracy against the second eye's cost, by time and by counters.
 
 use std::{cmp::Reverse, error::Error};
 
@@ -14,17 +14,17 @@ use crate::{
     record::Record,
 };
 
-/// Width of the pictures, in pixels, that accuracy is set against cost at; the nearest one that was measured is taken.
+/// Width in pixels of the pictures in the accuracy plots. The nearest measured width is used.
 const ACCURACY_WIDTH: u32 = 600;
-/// The axis of the second eye's cost reaches no farther than a little beyond this (first eye = 1).
+/// Largest cost of the second eye on the axis, relative to the first eye. The axis ends slightly beyond it.
 const DEAREST: f64 = 2.0;
 
-/// What the second eye costs relative to the first.
+/// A measure of the second eye's cost relative to the first.
 pub(super) struct Cost {
     slug: &'static str,
     title: &'static str,
     of: fn(&Record) -> f64,
-    /// Least and most over the rounds, of times.
+    /// Minimum and maximum over the rounds, for times.
     range: Option<fn(&Record) -> [f64; 2]>,
     x_label: &'static str,
     by: &'static str,
@@ -49,7 +49,7 @@ pub(super) const COSTS: [Cost; 2] = [
     },
 ];
 
-/// A plot an adapter, of the records nearest to [`ACCURACY_WIDTH`].
+/// Draws one plot per adapter, of the records nearest to [`ACCURACY_WIDTH`].
 pub(super) fn accuracy_group(
     records: &[&Record],
     names: &Names,
@@ -102,7 +102,7 @@ pub(super) fn accuracy_group(
     Ok(Group { slug: cost.slug, title: cost.title, sentence, figures, note })
 }
 
-/// A scene's records of the width nearest to [`ACCURACY_WIDTH`].
+/// Returns a scene's records of the width nearest to [`ACCURACY_WIDTH`].
 pub(super) fn nearest_width<'a>(records: impl Iterator<Item = &'a Record> + Clone, scene: &String) -> Vec<&'a Record> {
     let of_scene = records.filter(|record| record.scene == *scene);
     let width = of_scene.clone().map(|record| record.width);

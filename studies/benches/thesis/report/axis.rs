@@ -1,20 +1,20 @@
-//! Axes: which values they span, where their ticks are, and where a value goes.
+//! Axes: their ranges, ticks, and the mapping from values to pixels.
 
-/// How a plot's y axis runs.
+/// Scale of a plot's y axis.
 #[derive(Clone, Copy)]
 pub(super) enum Rule {
-    /// Evenly, from zero on or across it.
+    /// A linear scale that includes zero.
     Even,
-    /// The same, or a row a decade where the values lie too far apart for that.
+    /// A linear scale, or a logarithmic one if the values differ too much.
     Amount,
-    /// A row a decade, with zero in a row of its own.
+    /// A logarithmic scale, with zero in a row of its own.
     Decades,
 }
 
-/// A range of values. On a logarithmic one, zero and what is below has a row of its own under the lowest decade.
+/// A range of values. On a logarithmic axis, zero and negative values have a row of their own below the lowest decade.
 pub(super) struct Axis {
     pub(super) is_log: bool,
-    /// Decimal logarithms where it is logarithmic.
+    /// Ends of the range; decimal logarithms on a logarithmic axis.
     pub(super) low: f64,
     pub(super) high: f64,
     pub(super) zero: bool,
@@ -22,7 +22,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// Pixels of the row of zero, and of the break above it.
+    /// Height in pixels of the row of zero, with the break above it.
     pub(super) const ZERO_ROW: i32 = 52;
 
     pub(super) fn of(rule: Rule, values: &[f64]) -> Self {
@@ -35,7 +35,7 @@ impl Axis {
         }
     }
 
-    /// Round steps, about as many as said, that both ends lie on.
+    /// Makes a linear axis with about this number of round steps, whose ends lie on steps.
     pub(super) fn even(low: f64, high: f64, steps: f64) -> Self {
         let rough = if high > low { (high - low) / steps } else { 1.0 };
         let decade = 10_f64.powf(rough.log10().floor());
@@ -47,7 +47,7 @@ impl Axis {
         Self { is_log: false, low: first as f64 * step, high: last as f64 * step, zero: false, ticks }
     }
 
-    /// A tick at each value, and some room at the ends.
+    /// Makes a linear axis with a tick at each value and a margin at the ends.
     pub(super) fn through(values: impl Iterator<Item = f64>) -> Self {
         let mut ticks: Vec<f64> = values.collect();
         ticks.sort_by(f64::total_cmp);
@@ -57,7 +57,7 @@ impl Axis {
         Self { is_log: false, low: low - room, high: high + room, zero: false, ticks }
     }
 
-    /// From a round number to a round number: 1, 2 or 5 of a decade where there are few decades.
+    /// Makes a logarithmic axis with round ends. Ticks are at 1, 2 and 5 of each decade if there are few decades.
     pub(super) fn log(values: &[f64]) -> Self {
         let logs = || values.iter().filter(|value| **value > 0.0).map(|value| value.log10());
         let zero = values.iter().any(|value| *value <= 0.0);
@@ -67,7 +67,7 @@ impl Axis {
         let decades = least.floor() as i32..=most.ceil() as i32 + 1;
         let round: Vec<f64> =
             decades.flat_map(|d| digits.iter().map(move |digit| f64::from(d) + digit.log10())).collect();
-        let slack = 1e-9; // a round number is its own end
+        let slack = 1e-9; // tolerance for values that are round numbers
         let low = round.iter().copied().filter(|log| *log <= least + slack).fold(least.floor(), f64::max);
         let high = round.iter().copied().find(|log| *log >= most - slack && *log > low).unwrap_or(most.ceil());
         let inside = round.into_iter().filter(|log| (low - slack..=high + slack).contains(log));
@@ -75,7 +75,7 @@ impl Axis {
         Self { is_log: true, low, high, zero, ticks }
     }
 
-    /// Where a value goes between two pixels, `from` the lowest one's.
+    /// Returns the pixel of a value between two pixels; `from` is the pixel of the lowest value.
     pub(super) fn place(&self, value: f64, from: i32, to: i32) -> i32 {
         let (start, end) = (f64::from(from), f64::from(to));
         let row = self.zero_row() * (end - start).signum();
@@ -87,13 +87,13 @@ impl Axis {
         (start + row + share * (end - start - row)).round() as i32
     }
 
-    /// Pixels of the row of zero, 0 without one.
+    /// Returns the height of the row of zero in pixels, or 0 without one.
     pub(super) fn zero_row(&self) -> f64 {
         if self.zero { f64::from(Self::ZERO_ROW) } else { 0.0 }
     }
 }
 
-/// A number as short as it is round.
+/// Formats a number without trailing zeros.
 pub(super) fn label(value: f64) -> String {
     if value != 0.0 && value.abs() < 0.99e-5 {
         return format!("{:.0e}", value);

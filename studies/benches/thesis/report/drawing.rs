@@ -1,4 +1,4 @@
-//! What plots are drawn by: strokes and ranges.
+//! Drawing of plots: dashed lines and ranges.
 
 use plotters::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::common::{
 
 pub(super) const DOTS: &[f64] = &[2.0, 4.0];
 
-/// A line through the points, with strokes and gaps of these lengths in turn; solid without any.
+/// Draws a line through the points with alternating lengths of strokes and gaps. It is solid if there are no lengths.
 pub(super) fn stroke(root: &Area<'_>, points: &[Pixel], lengths: &[f64], style: ShapeStyle) -> Drawn {
     for piece in dashed(points, lengths) {
         root.draw(&PathElement::new(piece, style))?;
@@ -45,7 +45,7 @@ pub(super) fn dashed(points: &[Pixel], lengths: &[f64]) -> Vec<Vec<Pixel>> {
     pieces
 }
 
-/// A vertical range from `top` to `bottom`, with the marker of a method of this look in its middle.
+/// Draws a vertical range from `top` to `bottom`, with the marker of this look in its middle.
 pub(super) fn bracket(root: &Area<'_>, x: i32, (top, bottom): (i32, i32), look: usize) -> Drawn {
     let corners = [(x - 4, top), (x + 4, top), (x, top), (x, bottom), (x - 4, bottom), (x + 4, bottom)];
     stroke(root, &corners, &[], color(look).stroke_width(2))?;

@@ -11,7 +11,7 @@ use plotters::{
 use super::axis::{Axis, label};
 use crate::common::chart::{Area, Drawn, FONT, GRID, INK, Pixel, Point};
 
-/// The box that points are placed in.
+/// The box in which points are placed.
 #[derive(Clone, Copy)]
 pub(super) struct Frame<'a> {
     pub(super) left: i32,
@@ -27,7 +27,7 @@ impl Frame<'_> {
         (self.x.place(x, self.left, self.right), self.y.place(y, self.bottom, self.top))
     }
 
-    /// Axes, grid and labels; those of x only with a label for it, as panels share them.
+    /// Draws axes, grid and labels. Numbers along x are drawn only with a label for x, since panels share the axis.
     pub(super) fn draw(&self, root: &Area<'_>, y_label: &str, x_label: Option<&str>) -> Drawn {
         let style = |size: i32, h, v| (FONT, size).into_font().color(&INK).pos(Pos::new(h, v));
         let mut taken = i32::MIN;

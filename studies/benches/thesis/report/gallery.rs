@@ -1,4 +1,4 @@
-//! The pictures of the page.
+//! The page's pictures.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::common::scenes;
 
-/// The pictures by scene and method, each in the order given.
+/// Formats the pictures by scene and method, in the order of `names`.
 pub(super) fn gallery(pictures: &[Picture], names: &Names) -> String {
     let mut html = "<h2 id=\"pictures\">Pictures</h2>\n".to_owned();
     if pictures.is_empty() {
@@ -38,7 +38,7 @@ pub(super) fn gallery(pictures: &[Picture], names: &Names) -> String {
     html
 }
 
-/// A picture that a click enlarges.
+/// Formats a picture that is enlarged by a click.
 pub(super) fn figure(picture: &Picture) -> String {
     let alt = format!("{}, {}: {}", scenes::title(&picture.scene), picture.method, picture.kind);
     format!(

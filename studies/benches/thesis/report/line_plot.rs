@@ -1,4 +1,4 @@
-//! A question's answer on one scene: a line a method.
+//! Plot of a question for one scene, with one line per method.
 
 use std::error::Error;
 
@@ -21,18 +21,18 @@ pub(super) struct Line {
     pub(super) method: usize,
     pub(super) counted: bool,
     pub(super) points: Vec<Point>,
-    /// Of points' x, least and most of y over the rounds, where it is a time.
+    /// x of the points, with minimum and maximum of y over the rounds, for times.
     pub(super) ranges: Vec<(f64, [f64; 2])>,
 }
 
-/// A question's answer on one scene.
+/// Plot of a question for one scene.
 pub(super) struct LinePlot<'a> {
     pub(super) title: &'a str,
     pub(super) source: &'a str,
     pub(super) question: &'a Question,
     pub(super) names: &'a Names,
     pub(super) lines: Vec<Line>,
-    /// Method, lowest and highest value.
+    /// Stated ranges: method, lowest and highest value.
     pub(super) ranges: Vec<(usize, f64, f64)>,
 }
 
@@ -74,7 +74,7 @@ impl LinePlot<'_> {
     }
 
     fn draw_lines(&self, root: &Area<'_>, frame: &Frame<'_>) -> Drawn {
-        // Lines in the row of zero would hide each other: each gets a place of its own there.
+        // Lines in the row of zero would hide each other, so each has its own height there.
         let meets_zero = |line: &&Line| line.points.iter().any(|point| point.1 <= 0.0);
         let count = self.lines.iter().filter(meets_zero).count() as f64;
         let places = self.lines.iter().enumerate().map(|(index, line)| {
@@ -150,7 +150,7 @@ impl LinePlot<'_> {
         color(self.names.look(line.method))
     }
 
-    /// Filled for times, hollow for counters.
+    /// Draws a marker, filled for times and hollow for counters.
     fn line_marker(&self, root: &Area<'_>, line: &Line, at: Pixel) -> Drawn {
         let (look, tone) = (self.names.look(line.method), self.color(line));
         if line.counted {

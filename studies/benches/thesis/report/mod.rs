@@ -1,4 +1,4 @@
-//! The report: plots by question and scene, the pictures and a table of all records, in one page that stands alone.
+//! The report: plots by question and scene, pictures and a table of all records, in one self-contained page.
 
 mod accuracy;
 mod axis;
@@ -27,39 +27,39 @@ use self::{names::Names, page::page, sections::sections};
 pub(crate) use self::{sources::Sources, stability::Stability};
 use crate::{common::files::save, record::Record};
 
-/// The thesis's stated ranges of the speed-up over naive: scene, or `*` for all of them, method, lowest and highest in
-/// percent. They are drawn behind the speed-up against the picture's width.
+/// Ranges of the speed-up over naive that the thesis states: scene, or `*` for all scenes, method, lowest and highest
+/// in percent. They are drawn behind the speed-up against the picture's width.
 ///
-/// Its averages over the sizes, from the lowest scene on the one machine to the highest on the other (figures 27 and
-/// 35).
+/// They are its averages over the sizes, from the lowest scene on one machine to the highest on the other (figures 27
+/// and 35).
 const BANDS: &[(&str, &str, f64, f64)] =
     &[("*", "ideal", 29.0, 92.0), ("*", "atomic", 14.0, 67.0), ("*", "buffer", 6.0, 58.0)];
 
-/// A picture to show beside the plots.
+/// A picture beside the plots.
 pub(crate) struct Picture {
     pub(crate) scene: String,
     pub(crate) method: String,
-    /// What it shows of them: left, right, anaglyph, difference x8, re-trace map, cost left, cost right.
+    /// Content of the picture: left, right, anaglyph, difference x8, re-trace map, cost left, cost right.
     pub(crate) kind: String,
     pub(crate) caption: String,
-    /// A PNG file.
+    /// Contents of a PNG file.
     pub(crate) png: Vec<u8>,
 }
 
-/// What the page is made of.
+/// Content of the page.
 #[derive(Default)]
 pub(crate) struct Content {
     pub(crate) records: Vec<Record>,
     pub(crate) pictures: Vec<Picture>,
     pub(crate) sources: Vec<Sources>,
-    /// `None` if that benchmark has not run.
+    /// Results of the stability benchmark, or `None` if it has not run.
     pub(crate) stability: Option<Stability>,
-    /// It was a quick look: its figures mean nothing.
+    /// Whether it was a smoke run, whose figures are meaningless.
     pub(crate) smoke: bool,
 }
 
-/// Writes report.html and its plots, an SVG file each, into `folder`, all or none, and returns their paths, the page's
-/// last. Of a configuration that was measured more than once the plots show the last record, the table all.
+/// Writes report.html and one SVG per plot into `folder`, all together or not at all. Returns their paths, the page's
+/// last. If a configuration was measured more than once, plots show its last record and the table shows all.
 pub(crate) fn write(content: &Content, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let names = Names::of(&content.records, &content.pictures);
     let sections = sections(content, &names, BANDS)?;

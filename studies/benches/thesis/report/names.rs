@@ -1,4 +1,4 @@
-//! Scenes and methods by name, in the order in which they are shown.
+//! Names of scenes and methods, in the order in which they are shown.
 
 use super::Picture;
 use crate::{common::looks, record::Record};
@@ -9,7 +9,7 @@ pub(super) struct Names {
     pub(super) methods: Vec<String>,
 }
 
-/// Those that the thesis does not have, and those that only its future work names.
+/// Methods that the thesis does not have, and methods that it names only as future work.
 pub(super) const OWN: [&str; 4] = ["bracket", "verified", "bracket-rays", "auto"];
 pub(super) const FUTURE_WORK: [&str; 2] = ["atomic-edges", "buffer-edges"];
 
@@ -20,12 +20,12 @@ impl Names {
         Self { scenes: distinct(pairs.map(|(scene, _)| scene.clone())), methods: distinct(methods.map(String::from)) }
     }
 
-    /// An unknown name's place is behind all others.
+    /// Returns the index of a scene. Unknown names are placed behind all others.
     pub(super) fn scene(&self, name: &str) -> usize {
         self.scenes.iter().position(|scene| scene == name).unwrap_or(self.scenes.len())
     }
 
-    /// How the method at this place looks.
+    /// Returns the look of the method at this index.
     pub(super) fn look(&self, method: usize) -> usize {
         self.methods.get(method).map_or(method, |name| looks::of_method(name))
     }
@@ -35,7 +35,7 @@ impl Names {
     }
 }
 
-/// Each value once, in order of its first appearance.
+/// Returns each value once, in order of first appearance.
 pub(super) fn distinct<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
     let mut kept = Vec::new();
     for value in values {

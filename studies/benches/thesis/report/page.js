@@ -9,7 +9,7 @@ heads.forEach((head, column) => head.firstElementChild.onclick = () => {
   const body = table.tBodies[0];
   const order = (a, b) => {
     const [x, y] = [key(a), key(b)];
-    if (x === '' || y === '') return (x === '') - (y === ''); // what has no figure stays last
+    if (x === '' || y === '') return (x === '') - (y === ''); // rows without a figure come last
     return sign * (byNumber ? x - y || 0 : x.localeCompare(y));
   };
   body.append(...[...body.rows].sort(order));

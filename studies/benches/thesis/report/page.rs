@@ -1,4 +1,4 @@
-//! The page itself: its preamble, its contents and its sections in order.
+//! The page: its preamble, its contents and its sections in order.
 
 use std::fmt::Write as _;
 
@@ -20,7 +20,7 @@ const TITLE: &str = "Stereo ray tracing: the thesis's benchmarks measured again"
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// The whole page.
+/// Formats the whole page.
 pub(super) fn page(content: &Content, names: &Names, sections: &[Section]) -> String {
     let Content { records, pictures, sources, stability, smoke } = content;
     let mut html = format!(
@@ -46,7 +46,7 @@ pub(super) fn page(content: &Content, names: &Names, sections: &[Section]) -> St
     html
 }
 
-/// Where and when, and what to bear in mind.
+/// Formats where and when the figures were measured, and notes on them.
 fn preamble(records: &[Record], names: &Names) -> String {
     let list = |part: fn(&Record) -> &str| {
         let values = distinct(records.iter().map(part));
@@ -82,7 +82,7 @@ fn preamble(records: &[Record], names: &Names) -> String {
     )
 }
 
-/// Which of the measured methods are the thesis's and which are not.
+/// Lists which measured methods are the thesis's and which are not.
 fn whose_methods(records: &[Record]) -> String {
     let measured = distinct(records.iter().map(|record| record.method.as_str()));
     let named = |wanted: &dyn Fn(&&str) -> bool| {

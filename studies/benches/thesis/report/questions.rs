@@ -1,9 +1,9 @@
-//! What is plotted scene by scene: a question of each plot, with what varies along its axes.
+//! Questions that are plotted scene by scene, with the quantities along their axes.
 
 use super::{axis::Rule, text::count};
 use crate::record::Record;
 
-/// What a suite varies, and so a plot's x axis.
+/// Quantity that a suite varies, along a plot's x axis.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Swept {
     Width,
@@ -28,7 +28,7 @@ impl Swept {
         }
     }
 
-    /// What stays the same along the axis.
+    /// Describes the fixed settings.
     pub(super) fn fixed(self, record: &Record) -> String {
         let size = format!("{}x{}", record.width, record.height);
         let (e, lights) = (format!("e = {} px", record.e_px), count(record.lights, "light"));
@@ -40,27 +40,27 @@ impl Swept {
     }
 }
 
-/// A figure of a record, in the unit that its plot names.
+/// A figure of a record, in the plot's unit.
 pub(super) type Value = fn(&Record) -> Option<f64>;
 
-/// Least and most of a figure over the rounds.
+/// Minimum and maximum of a figure over the rounds.
 pub(super) type Range = fn(&Record) -> Option<[f64; 2]>;
 
 /// A question that is plotted scene by scene.
 pub(super) struct Question {
     pub(super) suite: &'static str,
-    /// Begins the names of its files.
+    /// Start of its file names.
     pub(super) slug: &'static str,
     pub(super) title: &'static str,
-    /// What is seen along the axes.
+    /// Description of the axes.
     pub(super) sentence: &'static str,
     pub(super) swept: Swept,
     pub(super) y_label: &'static str,
     pub(super) rule: Rule,
     pub(super) value: Value,
-    /// Least and most of it over the rounds, of times.
+    /// Minimum and maximum of the value over the rounds, for times.
     pub(super) range: Option<Range>,
-    /// The same by counters in place of time.
+    /// The value by counters in place of time.
     pub(super) counted: Option<Value>,
 }
 
@@ -189,18 +189,18 @@ pub(super) const QUESTIONS: [Question; 9] = [
     },
 ];
 
-/// In percent. Naive's own is 0 by definition.
+/// Returns the speed-up in percent. It leaves out naive, whose speed-up is 0 by definition.
 fn speed_up(record: &Record) -> Option<f64> {
     (record.method != "naive").then_some(100.0 * record.speed_up)
 }
 
-/// Over naive's median: its own spread moves all of them together.
+/// Returns the range of the speed-up relative to naive's median, since naive's own spread moves all methods together.
 fn speed_up_range(record: &Record) -> Option<[f64; 2]> {
     let naive = (1.0 + record.speed_up) * record.pair_ms;
     speed_up(record).map(|_| [record.pair_ms_max, record.pair_ms_min].map(|ms| 100.0 * (naive / ms - 1.0)))
 }
 
-/// Naive's own is 0 by definition.
+/// Returns the error. It leaves out naive, whose error is 0 by definition.
 fn error(record: &Record) -> Option<f64> {
     (record.method != "naive").then_some(record.mse)
 }

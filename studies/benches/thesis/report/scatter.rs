@@ -1,4 +1,4 @@
-//! All scenes and methods at once: errors against the cost of the second eye, in three panels.
+//! Plots of all scenes and methods at once: errors against the cost of the second eye, in three panels.
 
 use std::error::Error;
 
@@ -20,15 +20,15 @@ pub(super) struct Dot {
     pub(super) scene: usize,
     pub(super) method: usize,
     pub(super) cost: f64,
-    /// Least and most of that over the rounds, where it is a time.
+    /// Minimum and maximum of the cost over the rounds, for times.
     pub(super) costs: Option<[f64; 2]>,
-    /// One a panel of [`PANELS`].
+    /// One error for each of the [`PANELS`].
     pub(super) errors: [f64; 3],
 }
 
 const PANELS: [&str; 3] = ["differing pixels, %", "wrong surface, % of pixels", "MSE"];
 
-/// Three panels over the same costs, and a column at their right for each method whose cost goes beyond the axis.
+/// Three panels over the same costs. Each method whose cost is beyond the axis has a column to the right of them.
 pub(super) struct Scatter<'a> {
     pub(super) title: &'a str,
     pub(super) source: &'a str,
@@ -50,7 +50,7 @@ impl Scatter<'_> {
         drawing(Self::SIZE, self.title, |root| {
             heading(root, self.title, self.source)?;
             for (panel, y_label) in PANELS.into_iter().enumerate() {
-                // A mean can lie below all errors but zero.
+                // The axis must include the means, since a mean can be below all nonzero errors.
                 let means = means(self.dots, panel).into_iter().map(|(_, mean)| mean.1);
                 let errors: Vec<f64> = self.dots.iter().map(|dot| dot.errors[panel]).chain(means).collect();
                 let y = Axis::of(Rule::Decades, &errors);
@@ -106,7 +106,7 @@ impl Scatter<'_> {
         let name = |method: usize| (self.names.look(method), self.names.methods[method].as_str());
         let methods = (0..self.names.methods.len()).filter(|&method| self.dots.iter().any(|dot| dot.method == method));
         legend.markers("method", methods.map(name), None)?;
-        // Dots have numbers by the place among all scenes, and all of these are measured.
+        // Dots are numbered by the scene's index among all scenes, and all of these were measured.
         legend.scene_numbers(self.names.scenes.iter().map(String::as_str))?;
         legend.means()?;
         if self.dots.iter().any(|dot| dot.costs.is_some()) {
@@ -127,7 +127,7 @@ impl Scatter<'_> {
     }
 }
 
-/// Mean point in a panel, by method, of those methods that were measured on every scene.
+/// Returns the mean point in a panel of each method that was measured on every scene.
 pub(super) fn means(dots: &[Dot], panel: usize) -> Vec<(usize, Point)> {
     let scenes = distinct(dots.iter().map(|dot| dot.scene)).len();
     let mut methods = distinct(dots.iter().map(|dot| dot.method));

@@ -17,18 +17,18 @@ use crate::{
 
 /// A plot as a file.
 pub(super) struct Figure {
-    /// Of the file, without its ending.
+    /// Name of the file, without its extension.
     pub(super) name: String,
     pub(super) svg: String,
 }
 
-/// The plots of a question.
+/// Plots of a question.
 pub(super) struct Group {
     pub(super) slug: &'static str,
     pub(super) title: &'static str,
     pub(super) sentence: String,
     pub(super) figures: Vec<Figure>,
-    /// What was left out, and why.
+    /// Note on plots that were left out, with the reason.
     pub(super) note: Option<String>,
 }
 
@@ -38,7 +38,7 @@ pub(super) struct Section {
     pub(super) groups: Vec<Group>,
 }
 
-/// All plots. `bands` as in [`super::BANDS`].
+/// Draws all plots. `bands` are as in [`super::BANDS`].
 pub(super) fn sections(
     content: &Content,
     names: &Names,
@@ -57,7 +57,7 @@ pub(super) fn sections(
     Ok(sections)
 }
 
-/// The last record of each configuration, in their order.
+/// Returns the last record of each configuration, in the order of the records.
 pub(super) fn last_of_each(records: &[Record]) -> Vec<&Record> {
     let mut seen = HashSet::new();
     let key = |r: &Record| (r.width, r.height, r.e_px.to_bits(), r.lights);
@@ -67,7 +67,7 @@ pub(super) fn last_of_each(records: &[Record]) -> Vec<&Record> {
     kept
 }
 
-/// A question's plots, one a scene, and more where it was measured in several sizes or on several machines.
+/// Draws a question's plots, one per scene. There are more if it was measured in several sizes or on several machines.
 fn group(
     question: &Question,
     records: &[&Record],
@@ -115,7 +115,7 @@ fn group(
     Ok(Group { slug: question.slug, title: question.title, sentence, figures, note })
 }
 
-/// A line a method, by time and by counters, of one scene in one setting.
+/// Returns the lines of one scene in one setting: one per method by time, and one by counters.
 fn lines(question: &Question, records: &[&Record], names: &Names) -> Vec<Line> {
     let values = [(false, Some(question.value)), (true, question.counted)];
     let line = |method: usize, counted: bool, value: Value| {
@@ -133,13 +133,13 @@ fn lines(question: &Question, records: &[&Record], names: &Names) -> Vec<Line> {
     all.map(|(method, counted, value)| line(method, counted, value)).filter(|line| !line.points.is_empty()).collect()
 }
 
-/// Lower case letters, digits, - and _ of a name.
+/// Returns a name in lower-case letters, digits, - and _.
 pub(super) fn slug(name: &str) -> String {
     let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_".contains(c);
     name.to_lowercase().chars().map(|c| if fits(c) { c } else { '-' }).collect()
 }
 
-/// The name, or the name and the first number from 2 on that is not taken.
+/// Returns the name, or the name with the first free number from 2.
 pub(super) fn free_name(name: &str, taken: &[Figure]) -> String {
     let is_free = |name: &String| taken.iter().all(|figure| figure.name != *name);
     let numbered = (1..).map(|n| if n == 1 { name.to_owned() } else { format!("{name}-{n}") });

@@ -1,4 +1,5 @@
-//! Where right pixels come from: pictures and shares of one render by `bracket`, and what the records say of its kind.
+//! Sources of right pixels: pictures and shares of one render by `bracket`, and the records of this project's own
+//! methods.
 
 use std::fmt::Write as _;
 
@@ -24,13 +25,14 @@ pub(crate) struct Sources {
     pub(crate) height: u32,
     pub(crate) e_px: f32,
     pub(crate) lights: usize,
-    /// Found no deeper than the left samples that land in its tile; the hit lies deeper; without a bound.
+    /// Pixels whose hit is not deeper than the left samples that land in its tile; whose hit is deeper; and without a
+    /// bound.
     pub(crate) found: f64,
     pub(crate) deeper: f64,
     pub(crate) unbound: f64,
-    /// Without a shadow ray.
+    /// Pixels without a shadow ray.
     pub(crate) shadows_taken: f64,
-    /// The right view against naive's.
+    /// Pixels of the right view that differ from naive's.
     pub(crate) differing: f64,
     /// Right view, re-trace map, shadow map and difference.
     pub(crate) pictures: Vec<Picture>,
@@ -87,7 +89,7 @@ fn of_scene(sources: &Sources) -> String {
     html + "</ul>\n"
 }
 
-/// What the records say of this project's own methods, those nearest in size to the accuracy plots'.
+/// Formats the records of this project's own methods, at the sizes of the accuracy plots.
 fn table(records: &[&Record], names: &Names) -> String {
     let measured = records.iter().copied().filter(|record| record.suite == "dimensions");
     let taken: Vec<&Record> = names.scenes.iter().flat_map(|scene| nearest_width(measured.clone(), scene)).collect();
@@ -140,7 +142,7 @@ fn row(record: &Record, records: &[&Record]) -> String {
     format!("<tr><td>{method}</td><td>{scene}</td><td class=\"n\">{size}</td>{cells}</tr>\n")
 }
 
-/// Two decimals, or as many as show that it is not 0, and not 100.
+/// Formats a percentage with two decimals, or with as many as show that it is neither 0 nor 100.
 pub(super) fn percent(value: f64) -> String {
     let rest = value.abs().min((100.0 - value).abs());
     let decimals = (2..6).find(|&d| rest == 0.0 || rest >= 0.995 * 10_f64.powi(-d)).unwrap_or(6) as usize;

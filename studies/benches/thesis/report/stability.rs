@@ -1,4 +1,4 @@
-//! The stability benchmark's table and chart, as it left them.
+//! Table and chart of the stability benchmark's results.
 
 use std::{error::Error, fmt::Write as _, fs, io::ErrorKind, path::Path};
 
@@ -13,17 +13,17 @@ use super::{
 pub(super) const SLUG: &str = "stability";
 pub(super) const TITLE: &str = "Stability suite";
 const COMMAND: &str = "cargo bench --bench stability";
-/// Cost, identical and wrong surface of all pixels and of surfaces.
+/// Columns per method: cost, and identical pixels and wrong surfaces, each of all pixels and of surfaces.
 const COLUMNS: usize = 5;
 
-/// What the benchmark wrote.
+/// Results of the benchmark.
 pub(crate) struct Stability {
     rows: Vec<Row>,
-    /// Its chart as SVG, where it is there.
+    /// Its chart as SVG, if the file exists.
     chart: Option<String>,
 }
 
-/// A method on a trial: those of the record's fields that are shown. Figures are missing where the method failed.
+/// A method on a trial, with the record's displayed fields. Figures are missing if the method failed.
 #[derive(Deserialize)]
 struct Row {
     trial: String,
@@ -34,7 +34,7 @@ struct Row {
     second_eye_counters: Option<f64>,
     identical: Option<f64>,
     wrong_surface: Option<f64>,
-    /// Missing too where an older benchmark wrote the file.
+    /// Missing also in files of older benchmarks.
     identical_of_surfaces: Option<f64>,
     wrong_of_surfaces: Option<f64>,
     error: Option<String>,
@@ -44,7 +44,7 @@ struct Row {
 }
 
 impl Stability {
-    /// Reads what lies in the folder, `None` if there is no results.json.
+    /// Reads the results in a folder. Returns `None` if there is no results.json.
     pub(crate) fn read(folder: &Path) -> Result<Option<Self>, Box<dyn Error>> {
         let text = |name: &str| match fs::read_to_string(folder.join(name)) {
             Ok(text) => Ok(Some(text)),
@@ -85,7 +85,7 @@ pub(super) fn html(stability: Option<&Stability>) -> String {
     html
 }
 
-/// A row a trial, [`COLUMNS`] a method.
+/// Formats one row per trial, with [`COLUMNS`] columns per method.
 fn table(rows: &[Row], trials: &[&str]) -> String {
     let methods: Vec<&str> = distinct(rows.iter().map(|row| row.method.as_str()));
     let mut html = "<div class=\"table suite\" tabindex=\"0\"><table>\n<thead>\n<tr><th scope=\"col\" \

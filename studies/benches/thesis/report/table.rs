@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::text::escape;
 use crate::{common::scenes, record::Record};
 
-/// A table's cell: what it shows, and the number it is sorted by where that is another.
+/// A table's cell: its text, and its sort key if it differs from the text.
 struct Cell {
     text: String,
     key: Option<f64>,
@@ -16,13 +16,13 @@ impl Cell {
         Self { text: escape(text), key: None }
     }
 
-    /// Empty for what is no number.
+    /// Makes a cell of a number; it is empty if the number is not finite.
     fn number(value: f64, decimals: usize) -> Self {
         Self { text: if value.is_finite() { format!("{value:.decimals$}") } else { String::new() }, key: None }
     }
 }
 
-/// Heading, whether it is sorted as a number, and a record's cell.
+/// Heading of a column, whether it is sorted by number, and the cell of a record.
 type Column = (&'static str, bool, fn(&Record) -> Cell);
 
 const COLUMNS: [Column; 21] = [

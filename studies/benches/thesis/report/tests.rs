@@ -1,4 +1,4 @@
-//! Tests of the report's parts; tests/report.rs runs them.
+//! Tests of the report's parts, run by tests/report.rs.
 #![allow(unused_imports, reason = "the benchmark has no test harness: tests/report.rs runs these")]
 
 use std::error::Error;

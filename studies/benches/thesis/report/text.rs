@@ -1,9 +1,9 @@
-//! Text of the page and its plots: counts and days in words, markup escaped, bytes as base64.
+//! Text of the page and its plots: counts and days in words, escaped markup, and base64.
 
 pub(super) use crate::common::text::escape;
 use crate::record::Record;
 
-/// First and last day of some records.
+/// Returns the first and last day of some records.
 pub(super) fn days<'a>(records: impl IntoIterator<Item = &'a &'a Record>) -> String {
     let mut days: Vec<&str> = records.into_iter().map(|r| r.date.split('T').next().unwrap_or(&r.date)).collect();
     days.sort_unstable();
@@ -13,14 +13,14 @@ pub(super) fn days<'a>(records: impl IntoIterator<Item = &'a &'a Record>) -> Str
     }
 }
 
-/// 1234567 and triangle as 1,234,567 triangles.
+/// Formats 1234567 and triangle as 1,234,567 triangles.
 pub(super) fn count(number: usize, noun: &str) -> String {
     let digits = number.to_string();
     let groups: Vec<_> = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();
     format!("{} {noun}{}", groups.join(","), if number == 1 { "" } else { "s" })
 }
 
-/// RFC 4648, with padding.
+/// Encodes bytes as base64 by RFC 4648, with padding.
 pub(super) fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
