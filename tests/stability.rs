@@ -1,11 +1,11 @@
-//! The stability benchmark's figure of a film: flicker.
+//! Tests the stability benchmark's figure for a film: flicker.
 
 #[path = "../benches/stability/flicker.rs"]
 mod flicker;
 
 use crate::flicker::Flicker;
 
-/// Black pixels, those with an `x` one step of red off, those with an `a` in alpha only.
+/// Returns a frame of black pixels. Pixels with an `x` differ by one step of red, those with an `a` in alpha only.
 fn frame(pattern: &str) -> Vec<[u8; 4]> {
     let pixel = |mark| match mark {
         'x' => [1, 0, 0, 255],

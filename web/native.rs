@@ -1,8 +1,8 @@
 //! Renders natively what the page shows, for comparison: `cargo run --example web_native -- REQUEST.json FOLDER`.
 //!
-//! The request has `scene` (`{"builtin": NAME}` or `{"file": PATH}`), `camera` as the page has it, `methods`, and
-//! `rounds` to be timed. Writes `METHOD-left.png` and `METHOD-right.png` into the folder, and prints the adapter and
-//! the median time of each method's pair as JSON.
+//! The request has `scene` (`{"builtin": NAME}` or `{"file": PATH}`), `camera` as on the page, `methods`, and the
+//! number of timed `rounds`. The program writes `METHOD-left.png` and `METHOD-right.png` into the folder. It prints the
+//! adapter and the median time of each method's pair as JSON.
 
 use std::{error::Error, fs, path::Path, time::Instant};
 
@@ -60,7 +60,7 @@ fn camera(given: &Value) -> Result<StereoCamera, Box<dyn Error>> {
         .interaxial(number("interaxial")?))
 }
 
-/// A scene as the page opens it: files before its backdrop, and by three lights beside the eyes where they bring none.
+/// Opens a scene like the page: files get the page's backdrop, and three lights beside the eyes if they have none.
 fn scene(given: &Value, camera: &StereoCamera) -> Result<Scene, Box<dyn Error>> {
     if let Some(name) = given["builtin"].as_str() {
         return Ok(name.parse::<Builtin>()?.scene());

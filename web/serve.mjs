@@ -1,4 +1,5 @@
-// Serves a folder on the loopback address: node serve.mjs FOLDER [PORT]. As a module: `serve(folder, port)` gives the server and its address.
+// Serves a folder on the loopback address: node serve.mjs FOLDER [PORT]. As a module: `serve(folder, port)` returns the
+// server and its address.
 import { createReadStream } from "node:fs";
 import { stat } from "node:fs/promises";
 import http from "node:http";
@@ -20,7 +21,7 @@ export async function serve(folder, port = 0) {
             if (file !== root && !file.startsWith(root + path.sep)) return fail(403);
             if ((await stat(file)).isDirectory()) file = path.join(file, "index.html");
             await stat(file);
-            // What was built anew is what is seen.
+            // Without a cache, the browser shows the newest build.
             response.writeHead(200, { "content-type": TYPES[path.extname(file)] ?? "application/octet-stream", "cache-control": "no-cache" });
             createReadStream(file).on("error", () => response.destroy()).pipe(response);
         } catch {

@@ -321,7 +321,7 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
             _ => return Err(refused(format!("camera: unknown field '{name}'; the fields are {FIELDS}"))),
         };
     }
-    // Intrinsics set the screen distance, and a given distance replaces that, in whatever order they were given.
+    // Intrinsics set the screen distance, and a given distance replaces it, independent of their order.
     if has("intrinsics")?
         && let Some(distance) = fields.get_item("screen_distance")?
     {

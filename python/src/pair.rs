@@ -206,7 +206,7 @@ impl View {
     }
 }
 
-/// Returns one value a pixel as an array, `(height, width)`.
+/// Returns one value per pixel as an array, `(height, width)`.
 fn plane<T: Element>(py: Python<'_>, [width, height]: [u32; 2], values: Vec<T>) -> Py<PyAny> {
     match Array2::from_shape_vec((height as usize, width as usize), values) {
         Ok(array) => array.into_pyarray(py).into_any().unbind(),
@@ -303,8 +303,8 @@ impl StereoPair {
     /// - ``method``: name of the method that made the pair, such as the one that ``auto`` chose.
     /// - ``choice``: reasons of ``auto``, a dict; ``None`` for other methods. ``method`` made most of the right view.
     ///   ``by_bracket`` is the share of the right view made by bracket. ``gaps`` is the share of right pixels that no
-    ///   left sample saw. ``shadow_rays`` and ``secondary_rays`` are numbers of rays a pixel of the left view.
-    ///   ``bracket`` and ``naive`` are the predicted cost of the right view by each, in primary rays a pixel.
+    ///   left sample saw. ``shadow_rays`` and ``secondary_rays`` are numbers of rays per pixel of the left view.
+    ///   ``bracket`` and ``naive`` are the predicted cost of the right view by each, in primary rays per pixel.
     /// - ``in_steps``: whether the frame was rendered again in steps, since the adapter ended long loops early.
     /// - ``left`` and ``right``: work of each view, a dict. ``primary_rays``, ``verification_rays``, ``shadow_rays``
     ///   and ``secondary_rays`` are numbers of rays. ``nodes`` is the number of BVH nodes visited, ``primitive_tests``
@@ -315,7 +315,7 @@ impl StereoPair {
     /// - ``retraced_share``: share of right pixels that were traced, 0 to 1.
     /// - ``second_eye``: cost of the right view relative to the left view; ``None`` if it was not counted.
     /// - ``lost_candidates`` and ``buffer_depth``: for ``buffer`` methods, the number of lost candidates, and the
-    ///   number of slots a right pixel.
+    ///   number of slots per right pixel.
     /// - ``times``: list of name and seconds of each pass on the device, in order; ``None`` if the adapter has no
     ///   timestamps. Drivers may compile a kernel when it first runs.
     /// - ``intermediate_bytes``: device memory of the buffers between the passes.

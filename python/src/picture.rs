@@ -12,7 +12,7 @@ pub(crate) fn rgb<'py>(py: Python<'py>, [width, height]: [u32; 2], rgba8: &[[u8;
     shaped(py, [width, height], rgb)
 }
 
-/// Returns `N` values a pixel as an array, `(height, width, N)`.
+/// Returns `N` values per pixel as an array, `(height, width, N)`.
 pub(crate) fn shaped<T: numpy::Element, const N: usize>(
     py: Python<'_>,
     [width, height]: [u32; 2],

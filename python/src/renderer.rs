@@ -233,7 +233,7 @@ impl Renderer {
     ///   makes the same picture for less, and ``"bracket"`` reuses visibility bits too. Default ``"auto"``.
     /// - ``outputs``: arrays to return, a list of names of ``OUTPUTS`` or one name. ``View`` describes them. Default
     ///   ``["color", "depth", "disparity"]``.
-    /// - ``samples``: samples a pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64. Depths, ids and ground truth
+    /// - ``samples``: samples per pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64. Depths, ids and ground truth
     ///   still belong to one ray through the pixel's centre. Default 1.
     /// - ``filter``: weights of samples: ``"box"``, ``"tent"`` or ``"gauss"``. Default ``"box"``.
     /// - ``jitter``: whether to jitter the sample grid. Default ``True``.

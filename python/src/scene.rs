@@ -186,8 +186,8 @@ impl Scene {
         reduced(py, "Scene", &state)
     }
 
-    /// Returns the scene's camera: that of a built-in scene, else the file's camera ``name`` or its first. A scene
-    /// without cameras gets that of ``Camera.fitting``.
+    /// Returns the scene's camera: the camera of a built-in scene, else the file's camera ``name`` or its first. A
+    /// scene without cameras gets the camera of ``Camera.fitting``.
     ///
     /// ``size`` is a tuple of width and height in pixels. The interaxial of a built-in scene's camera is 15 pixels at a
     /// width of 600 pixels, and scales with the width. Raises ``ValueError`` for an unknown name, for an invalid size,
@@ -586,7 +586,7 @@ impl Scene {
     }
 
     /// Returns a SHA-256, as 64 hexadecimal digits, of everything that pictures of the scene depend on. Equal scenes
-    /// have equal hashes, whatever files they come from. Versions of the library may differ.
+    /// from different files have equal hashes. Versions of the library may differ.
     fn sha256(&self, py: Python<'_>) -> String {
         py.detach(|| {
             let mut hash = Sha256::new();

@@ -1,4 +1,4 @@
-"""What tests share: one renderer, on the adapter that STEREOTRACE_ADAPTER names, or the software one."""
+"""Shares one renderer between tests, on the adapter that STEREOTRACE_ADAPTER names, or on the software adapter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Data sets: what a spec may say, what follows from it, and that shards are there whole or not at all."""
+"""Tests data sets: valid specs, their pairs, and that shards are written whole or not at all."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def test_shards_hold_what_the_spec_says(made):
     ("origin", "expected"), [(None, (5e5, 0, 5.4e6)), ("none", (0, 0, 0)), ([4e5, 1, 5e6], (4e5, 1, 5e6))]
 )
 def test_a_scene_s_origin_is_the_spec_s(tmp_path, origin, expected):
-    """Without one it follows from the file's bounds."""
+    """Without an origin in the spec, it follows from the file's bounds."""
     path = tmp_path / "far.obj"
     path.write_text("v 500000 0 5400000\nv 500001 0 5400000\nv 500000 1 5400000\nf 1 2 3\n")
     scene = {"file": str(path)} | ({} if origin is None else {"origin": origin})
@@ -112,7 +112,7 @@ def test_a_scene_s_origin_is_the_spec_s(tmp_path, origin, expected):
 
 
 def test_any_pair_can_be_made_again_alone(made):
-    """On another renderer, in another order, after other scenes: the same bytes."""
+    """Pairs have the same bytes on another renderer, in another order, and after other scenes."""
     worker = Worker(spec())
     for item in (5, 0, 3):
         pair, record = worker.pair(item)
@@ -165,7 +165,7 @@ def test_draws_fill_their_ranges():
     assert abs(logs.mean() - np.log(0.1)) < 0.1
     assert any(item.draw({"uniform": [1.0, 3.0]}, "x") % 1 for item in items)
     assert abs(np.mean([item.scene() for item in items]) - 2 / 3) < 0.04
-    # On every machine.
+    # The number is the same on every machine.
     assert Item(spec(), 5).unit("scene") == 0.09947573058063397
 
 
@@ -220,7 +220,7 @@ def test_layouts_are_folders(layout, tmp_path):
     assert (report.made, report.errors, report.failed) == (2, [], [])
     left = {
         "middlebury": "small-000001/000001/im0.png",
-        "kitti": "training/image_2/000001_10.png",  # one root, whatever the shards
+        "kitti": "training/image_2/000001_10.png",  # there is one root for all shards
         "sceneflow": "small-000001/frames_finalpass/stereotrace/left/0001.png",
     }
     assert (tmp_path / left[layout]).is_file()
@@ -235,7 +235,7 @@ def test_layouts_are_folders(layout, tmp_path):
         ]
         picture = tmp_path / left[layout]
         before = picture.read_bytes()
-        # As a process that was killed leaves it.
+        # The folder is as a killed process leaves it.
         (tmp_path / "small-000001.json").unlink()
         picture.unlink()
         again = dataset.make(made, str(tmp_path))
@@ -246,7 +246,7 @@ def test_layouts_are_folders(layout, tmp_path):
 
 
 def test_middlebury_has_no_disparity_below_0(tmp_path):
-    """Its loaders take absolute values: converged cameras are asked for by name, and must have none."""
+    """Loaders take absolute values, so converged cameras must be requested, and negative disparities are refused."""
     common = {
         "format": "middlebury",
         "pairs": 1,
@@ -267,7 +267,7 @@ def test_middlebury_has_no_disparity_below_0(tmp_path):
 
 
 def counted_scenes(monkeypatch) -> list[int]:
-    """Of each scene that is read, its number."""
+    """Returns a list to which the number of each scene is added when it is read."""
     opened: list[int] = []
     real = dataset.worker.open_scene
 
@@ -281,7 +281,7 @@ def counted_scenes(monkeypatch) -> list[int]:
 
 
 def test_shards_read_each_scene_once(tmp_path, monkeypatch):
-    """Pairs are made scene by scene, and stand in their own order."""
+    """Pairs are made scene by scene, and are written in their own order."""
     builtins = ("near", "three-spheres", "spheres", "random-20")
     many = spec(
         scenes=[{"builtin": name} for name in builtins],
@@ -294,7 +294,7 @@ def test_shards_read_each_scene_once(tmp_path, monkeypatch):
     opened = counted_scenes(monkeypatch)
     dataset.make(many, str(tmp_path / "one"), scene_memory=0)
     assert sorted(opened[:4]) == list(range(4))
-    # One scene is kept, which the second shard begins with.
+    # One scene is kept, with which the second shard begins.
     assert len(opened) == 4 + 4 + 3, opened
     opened.clear()
     dataset.make(many, str(tmp_path / "all"))
@@ -306,7 +306,7 @@ def test_shards_read_each_scene_once(tmp_path, monkeypatch):
         assert numbers == sorted(numbers) and len(numbers) == 12
         keys = [entry.partition(".")[0] for entry in tar(tmp_path / "one" / f"{name}.tar")]
         assert keys == sorted(keys)
-    # What waits for its place on disk is the same.
+    # Pairs that wait on disk for their position give the same shard.
     monkeypatch.setattr(dataset.worker, "WAITING_MEMORY", 1)
     dataset.make(many, str(tmp_path / "disk"), shards=[1])
     assert (tmp_path / "disk" / "small-000001.tar").read_bytes() == (tmp_path / "all" / "small-000001.tar").read_bytes()
@@ -333,13 +333,13 @@ def test_scenes_whose_files_are_as_they_were_are_not_read_again(tmp_path, monkey
     (folder / "a.mtl").write_text("newmtl a\nKd 1 0 0\n")
     (folder / "a.obj").write_text("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     one = spec(scenes=[{"file": str(folder / "a.obj")}, {"builtin": "near"}], poses={"kind": "fixed"}, pairs=4)
-    out = str(folder / "out")  # a data set among its scenes is no scene
+    out = str(folder / "out")  # a data set among its scenes is not a scene
     opened = counted_scenes(monkeypatch)
     dataset.make(one, out)
     assert opened[:2] == [0, 1]
     opened.clear()
     assert dataset.make(one, out).kept == 2 and opened == []
-    # Another time is looked at; content that is the same goes on.
+    # After a change of the time the file is read again. With the same content the run continues.
     os.utime(folder / "a.obj", ns=(1, 1))
     assert dataset.make(one, out).kept == 2 and opened == [0]
     opened.clear()
@@ -388,7 +388,7 @@ def test_a_stopped_run_goes_on_with_what_is_missing(made, tmp_path):
         [sys.executable, "-m", "stereotrace.dataset", str(path), str(tmp_path / "out"), "--quiet"]
     )
     deadline = time.monotonic() + 120
-    # A shard counts once its record is there, which is written after the shard: a kill may come between the two.
+    # A shard counts once its record exists. The record is written after the shard, so a kill may come between the two.
     while len(list((tmp_path / "out").glob("small-*.json"))) < 2:
         assert process.poll() is None and time.monotonic() < deadline
         time.sleep(0.01)
@@ -409,7 +409,7 @@ def test_a_stopped_run_goes_on_with_what_is_missing(made, tmp_path):
     )
     assert all((tmp_path / "out" / name).stat().st_mtime_ns == at for name, at in there.items())
     assert [line["item"] for line in manifest(tmp_path / "out") if "item" in line] == list(range(60))
-    # The number of pairs changes none of those that there were.
+    # The number of pairs does not change the existing pairs.
     for shard in range(2):
         name = f"small-{shard:06d}.tar"
         assert (tmp_path / "out" / name).read_bytes() == (made / name).read_bytes()
@@ -427,7 +427,7 @@ def test_other_specs_files_and_versions_are_not_gone_on_with(made, tmp_path, mon
     obj.write_text("v 0 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n")
     with pytest.raises(OtherDataSet, match="a.obj has changed"):
         dataset.make(one, str(tmp_path / "out"))
-    # A file that is away for a while, and comes back as another one.
+    # A file is missing for a while, and comes back with other content.
     obj.unlink()
     assert dataset.make(one, str(tmp_path / "out")).kept == 1
     obj.write_text("v 0 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n")
@@ -439,7 +439,7 @@ def test_other_specs_files_and_versions_are_not_gone_on_with(made, tmp_path, mon
 
 
 def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
-    """The manifest reports a scene that does not load and one without a place for a camera; the rest is there."""
+    """The manifest reports a scene that does not load and one without space for a camera. The other pairs are made."""
     (tmp_path / "broken.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 x\nf 1 2 3\n")
     scenes = [{"builtin": "near"}, {"file": str(tmp_path / "broken.obj")}]
     report = dataset.make(spec(scenes=scenes), str(tmp_path / "out"))
@@ -450,7 +450,7 @@ def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
     assert len(errors) == len(report.errors) and all(
         "broken.obj:3" in line["error"] and line["shard"] for line in errors
     )
-    # They are missing until they are made, and every run says so.
+    # They are missing until they are made, and every run reports that.
     assert [error["item"] for error in dataset.make(spec(scenes=scenes), str(tmp_path / "out")).errors] == [
         line["item"] for line in errors
     ]
@@ -460,9 +460,9 @@ def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
     assert again.made == len({line["shard"] for line in errors}) and not again.errors
     assert [line["item"] for line in manifest(tmp_path / "out") if "item" in line] == list(range(7))
 
-    # Arrays that there are not, in any pair of a shard.
+    # The arrays do not exist in any pair of a shard.
     for kind in ("webdataset", "parquet"):
-        # Without lights `auto` chooses naive, which has none of these.
+        # Without lights `auto` chooses naive, which has none of these arrays.
         dark = [{"builtin": "near", "lights": 0}]
         none = dataset.make(
             spec(pairs=2, format=kind, scenes=dark, randomise={}, outputs=["color", "shadow_source"]),
@@ -482,7 +482,7 @@ def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
 
 
 def test_a_full_disk_is_told_and_gone_on_from(tmp_path):
-    """No file may be over 20 kB: shards can't be written, heads can."""
+    """No file may exceed 20 kB, so shards can't be written but heads can."""
     path = tmp_path / "spec.json"
     path.write_text(json.dumps(SPEC))
 
@@ -521,7 +521,7 @@ fsspec.register_implementation("flaky", Flaky)
 
 
 class Counting(MemoryFileSystem):
-    """A storage that counts what it is asked: files that are listed, and how many are read at once."""
+    """A storage that counts listed files and the files that are read at once."""
 
     protocol = "counting"
     store: dict = {}
@@ -552,7 +552,7 @@ fsspec.register_implementation("counting", Counting)
 
 
 class NoWorker:
-    """Makes no pairs, and the records of shards."""
+    """Makes the records of shards, but no pairs."""
 
     def __init__(self, spec: Spec, *_: object) -> None:
         self.spec = spec
@@ -582,9 +582,9 @@ def test_what_a_storage_is_asked_grows_with_the_shards_and_no_faster(monkeypatch
         assert 4 < Counting.most_reading <= 32
         lines = [json.loads(line) for line in data_set.store.read("manifest.jsonl").splitlines()]
         assert [line["item"] for line in lines if "item" in line] == list(range(shards))
-    # 400 of 400 marks are 160,000 where all are listed for each.
+    # If all marks were listed for each of 400 shards, it would be 160,000.
     assert listed[400] <= 4 * listed[100] + 100, listed
-    # What was tried is counted, up to one more than there may be.
+    # Tries are counted, up to one more than allowed.
     assert [maker._count_try("x") for _ in range(5)] == [1, 2, 3, 4, 4]
 
 

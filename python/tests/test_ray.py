@@ -1,4 +1,4 @@
-"""Data sets on Ray: a worker that is killed, and shards that kill their workers."""
+"""Tests data sets on Ray: a worker that is killed, and shards that kill their workers."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def cluster():
 
 
 def workers() -> list[int]:
-    """The processes of this machine's actors."""
+    """Returns the processes of this machine's actors."""
     found = []
     for entry in Path("/proc").glob("[0-9]*"):
         try:
@@ -50,12 +50,12 @@ def workers() -> list[int]:
 
 
 def test_a_killed_worker_loses_nothing(tmp_path, capsys):
-    """Two workers make 64 pairs; one is killed in the middle of a shard. All pairs are there, as of one process."""
+    """Two workers make 64 pairs, and one is killed in the middle of a shard. All pairs equal those of one process."""
     spec, out = Spec.load(SPEC), tmp_path / "ray"
     killed: list[int] = []
 
     def kill() -> None:
-        # When the first shard is there, and others are being written.
+        # A worker is killed once the first shard is complete and others are being written.
         deadline = time.monotonic() + 300
         while time.monotonic() < deadline:
             if list(out.glob("killed-*.json")) and list(out.glob("*.tar.part-*")) and (found := workers()):
@@ -86,7 +86,7 @@ def test_a_killed_worker_loses_nothing(tmp_path, capsys):
 
 
 class Doomed(on_ray.ShardMaker):
-    """Its worker dies of shard 1, as one does that is out of memory."""
+    """The worker dies when it makes shard 1, like a worker that is out of memory."""
 
     def _row(self, shard: int):
         made = super()._count_try
@@ -178,5 +178,5 @@ def test_a_ray_of_this_machine_listens_on_the_loopback_interface_alone(tmp_path)
     *places, last = found.stdout.split("\n")[:-1]
     loopback = {"0100007F", "0000000000000000FFFF00000100007F", "00000000000000000000000001000000"}
     assert len(places) >= 4 and set(places) <= loopback, places
-    # Ray asks for a token by itself, and other Rays of this process are as they were.
+    # Ray requests a token by itself, and other Ray sessions of this process are unchanged.
     assert last == "token False"

@@ -1,4 +1,4 @@
-"""Pairs as NumPy has them: against what the Rust command writes, read by other programs' readers."""
+"""Tests the arrays of pairs against files of the Rust command, read by other programs' readers."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_pictures_are_the_commands(renderer, hall, tmp_path, method):
 @by_command
 @pytest.mark.parametrize("layout", stereotrace.LAYOUTS)
 def test_data_sets_are_the_commands(renderer, hall, tmp_path, layout):
-    """The same free places, the same files: byte for byte."""
+    """Both find the same cameras and write the same files, byte for byte."""
     run("dataset", "builtin:hall", "--size", "96x64", "--pairs", 2, "--layout", layout, "--out", tmp_path / "command")
     camera = hall.camera(size=(96, 64)).replace(screen_distance=np.inf)
     for item in range(2):
@@ -77,7 +77,7 @@ def test_every_array_has_its_shape_and_agrees_with_the_others(renderer, hall):
             assert array.dtype == dtype and array.flags.c_contiguous, name
             assert getattr(view, name) is array  # one copy, kept
         z, disparity = view.depth[30, 40], view.disparity[30, 40]
-        # The eyes that were rendered are f32 positions: disparities are of these.
+        # The rendered eyes are f32 positions, and disparities belong to these.
         assert abs(disparity - camera.disparity(z)) < 1e-5
         for normal in (view.normal, view.geometric_normal):
             assert np.allclose(np.linalg.norm(normal[view.primitive != stereotrace.MISS], axis=-1), 1, atol=1e-5)
@@ -86,7 +86,7 @@ def test_every_array_has_its_shape_and_agrees_with_the_others(renderer, hall):
     assert set(stereotrace.OUTPUTS) - set(pair.left.arrays()) == {"source", "shadow_source"}
     reused = int((pair.right.source == 0).sum())
     assert reused == pair.statistics["reused"] > 0
-    # A world point that a pixel shows lies where the camera projects it to.
+    # A world point that a pixel shows is where the camera projects it to.
     row, column = 20, 70
     directions = np.array(camera.intrinsics["fx"])
     x = (column + 0.5 - camera.intrinsics["cx0"]) / directions * pair.left.depth[row, column]
@@ -104,7 +104,7 @@ def test_every_array_has_its_shape_and_agrees_with_the_others(renderer, hall):
 
 
 def test_disparities_carry_one_view_to_the_other(renderer):
-    """By OpenCV: what the left view sees of the right picture is its own, where both see it."""
+    """OpenCV warps the right picture by the disparities. Points that both eyes see then equal the left picture."""
     scene = Scene.builtin("hall-finished")
     pair = renderer.render(scene, scene.camera(size=(320, 240)), outputs=["color", "disparity", "occlusion"])
     columns, rows = np.meshgrid(np.arange(320, dtype=np.float32), np.arange(240, dtype=np.float32))
@@ -112,7 +112,7 @@ def test_disparities_carry_one_view_to_the_other(renderer):
     both = pair.left.occlusion == 0
     assert 0.5 < both.mean() < 1
     difference = np.abs(carried.astype(int) - pair.left.color).mean(axis=-1)
-    assert np.median(difference[both]) <= 2  # 1.0, and it is 3 to 4 with the sign turned round
+    assert np.median(difference[both]) <= 2  # measured 1.0, and 3 to 4 with the opposite sign
     turned = cv2.remap(pair.right.color, columns + pair.left.disparity, rows, cv2.INTER_LINEAR)
     assert np.median(np.abs(turned.astype(int) - pair.left.color).mean(axis=-1)[both]) > 3
 
@@ -146,7 +146,7 @@ def test_python_runs_while_pictures_are_made(renderer, hall):
     while not done.is_set():
         count += 1
     thread.join()
-    assert count > 10_000  # millions; with the lock held it is a switch or two
+    assert count > 10_000  # there are millions; with the lock held, only one or two
 
 
 def test_threads_may_share_a_renderer(renderer, hall):
@@ -180,7 +180,7 @@ def test_a_callback_is_told_and_may_stop(renderer, hall):
 
 
 def test_a_fork_does_not_take_the_device_along():
-    """As by torch's DataLoader: errors, where drivers would wait for ever."""
+    """Forked processes, as of torch's DataLoader, get errors. Drivers would wait for ever."""
     text = """if 1:
         import os, stereotrace
         scene = stereotrace.Scene.builtin("near")
@@ -205,7 +205,7 @@ def test_a_fork_does_not_take_the_device_along():
 
 
 def test_a_callback_cannot_render_with_its_own_renderer(renderer, hall):
-    """It would wait for itself."""
+    """A nested call would wait for itself, so it raises an error."""
     with pytest.raises(RuntimeError, match="use another renderer"):
         renderer.render(hall, hall.camera(size=(64, 48)), progress=lambda *_: renderer.render(hall, hall.camera()))
     renderer.render(hall, hall.camera(size=(64, 48)))
@@ -252,7 +252,7 @@ def test_pictures_round_trip_through_png():
     random = np.random.default_rng(1)
     for shape, dtype in [((5, 7), np.uint8), ((5, 7), np.uint16), ((5, 7, 3), np.uint8), ((5, 7, 4), np.uint8)]:
         picture = random.integers(0, np.iinfo(dtype).max, shape, dtype, endpoint=True)
-        # One that does not lie in C order too.
+        # One picture is not in C order.
         for given in (picture, np.asfortranarray(picture), picture[:, ::-1]):
             file = np.frombuffer(stereotrace.encode_png(given), np.uint8)
             found = cv2.imdecode(file, cv2.IMREAD_UNCHANGED)

@@ -1,4 +1,4 @@
-"""Scenes from arrays and from trimesh: against files and other ways to say the same."""
+"""Tests scenes from arrays and from trimesh against files and equivalent scenes."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_arrays_of_any_kind_are_taken(renderer, dtype):
 
 
 def test_colours_of_vertices(renderer):
-    """Bytes are sRGB: white times a colour is a material of its linear one."""
+    """Bytes are sRGB. A white material times a vertex colour equals a material with the linear colour."""
     colored, plain = Scene(), Scene()
     srgb = np.array([200, 100, 50], np.uint8)
     linear = ((srgb / 255 + 0.055) / 1.055) ** 2.4
@@ -105,13 +105,13 @@ def test_spheres_ellipsoids_and_planes(renderer):
         all_at_once.add_spheres(centers, [1.0, 2.0])
     with pytest.raises(ValueError, match="radius"):
         all_at_once.add_spheres(centers, [1.0, 2.0, 0.0, 1.0])
-    assert one.sha256() == all_at_once.sha256()  # all of them or none
+    assert one.sha256() == all_at_once.sha256()  # either all of them are added or none
     ball, round_one = Scene(), Scene()
     ball.add_sphere((0, 0, 0), 1.0)
     round_one.add_ellipsoid((0, 0, 0), (1, 1, 1))
     depths = [renderer.render(scene, CAMERA).left.depth for scene in (ball, round_one)]
     assert np.allclose(*depths, atol=1e-5) and np.isfinite(depths[0]).any()
-    # Axes are columns, as NumPy multiplies them: this one is long along x + y.
+    # Axes are columns, as in NumPy's products, so this ellipsoid is long along x + y.
     turned = Scene()
     turned.add_ellipsoid((0, 0, 0), [(1, -0.2, 0), (1, 0.2, 0), (0, 0, 0.3)])
     seen = renderer.render(turned, Camera((0, 0, 9), (0, 0, 0), size=(64, 64))).left.depth < 100
@@ -168,7 +168,7 @@ def test_trimesh_keeps_textures_colours_and_places(renderer):
     )
     shown, expected = (renderer.render(scene, CAMERA, outputs=["linear"]).left.linear for scene in (textured, ours))
     colored = expected.reshape(-1, 3).std(axis=0).min() > 0
-    # trimesh's own material scales all of it; the pattern is the same.
+    # trimesh's own material scales all colours, but the pattern is the same.
     scale = (shown * expected).sum() / (expected * expected).sum()
     assert colored and np.abs(shown - scale * expected).max() < 0.02 * expected.max()
 
@@ -225,7 +225,7 @@ def test_wrong_arrays_are_refused_by_name():
 
 
 def everything() -> Scene:
-    """A scene with one of each kind."""
+    """Returns a scene with one object of each kind."""
     scene = Scene()
     texture = scene.add_texture(checker(), wrap="mirror")
     board = scene.add_checkerboard(1.0, 0.0, 8)
@@ -361,7 +361,7 @@ def test_mirrors_and_glass_are_valid_and_seen_by_their_defaults(renderer, materi
     scene.add_sphere((0, 0, 0), 1.0, scene.add_material(material))
     shown = renderer.render(scene, CAMERA, outputs=["linear", "primitive"]).left
     ball, behind = shown.linear[shown.primitive == 0], shown.linear[shown.primitive == stereotrace.MISS]
-    # It shows the sky, in places other than those behind it.
+    # The ball shows other parts of the sky than those behind it.
     assert len(ball) > 1000 and ball.mean() > 0.5 * behind.mean() and ball.std() > 0.01
     assert Material(finish="mirror", albedo=0.02).albedo[0] == np.float32(0.02) and Material(finish="matte").albedo[
         0

@@ -52,7 +52,7 @@ impl StereoCamera {
     /// Does the same as [`StereoCamera::from_json`], with the given limits.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::from_json`].
+    /// Returns the errors of [`StereoCamera::from_json`].
     pub fn from_json_within(
         path: impl AsRef<Path>,
         name: &str,
@@ -72,8 +72,8 @@ impl CameraPath {
     /// `height` pixels.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::from_json`], naming the camera by its index in the list, and those of
-    /// [`CameraPath::new`].
+    /// Returns the errors of [`StereoCamera::from_json`], which name the camera by its index in the list, and the
+    /// errors of [`CameraPath::new`].
     pub fn from_json_within(path: impl AsRef<Path>, width: u32, height: u32, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let list: Vec<Value> = read(path, limits, "list of cameras")?;
@@ -128,8 +128,8 @@ impl Scene {
     /// leave the scene unchanged. Returns whether the entry has lights.
     ///
     /// # Errors
-    /// [`Error::Io`], [`Error::TooLarge`] and [`Error::Parse`] as [`StereoCamera::from_json`]. The scene is unchanged
-    /// then.
+    /// Returns [`Error::Io`], [`Error::TooLarge`] and [`Error::Parse`] as [`StereoCamera::from_json`] does. The scene
+    /// is unchanged then.
     pub fn light_from_json(&mut self, path: impl AsRef<Path>, name: &str) -> Result<bool, Error> {
         self.light_from_json_within(path, name, &Limits::default())
     }
@@ -137,7 +137,7 @@ impl Scene {
     /// Does the same as [`Scene::light_from_json`], with the given limits.
     ///
     /// # Errors
-    /// Those of [`Scene::light_from_json`].
+    /// Returns the errors of [`Scene::light_from_json`].
     pub fn light_from_json_within(
         &mut self,
         path: impl AsRef<Path>,
@@ -235,7 +235,7 @@ fn alone(entry: &Map<String, Value>, name: &str, others: &[&str]) -> Result<(), 
     found.map_or(Ok(()), |other| Err(format!("{name} and {other} are both given; give one of them")))
 }
 
-/// Reads the screen's distance: a number, or infinity by name.
+/// Reads the screen distance: a number, or the name `inf` or `infinity`.
 fn screen_distance(entry: &Map<String, Value>) -> Result<f32, String> {
     match field(entry, "screen_distance")?.as_str() {
         Some("inf" | "infinity") => Ok(f32::INFINITY),
@@ -361,7 +361,7 @@ mod tests {
     const HALL: &str = r#"{ "eye": [-13.5, 2.2, -0.3], "target": [10, 3.2, 0.2], "up": [0, 1, 0], "vfov_deg": 60,
         "screen_distance": 6, "eye_separation": 0.065, "note": "ignored" }"#;
 
-    /// Writes `text` to a file of its own and reads the camera `name` from it.
+    /// Writes `text` to a new file and reads the camera `name` from it.
     fn read(test: &str, text: impl AsRef<[u8]>, name: &str) -> Result<StereoCamera, Error> {
         let folder = Folder::new("camera");
         StereoCamera::from_json(folder.write(&format!("{test}.json"), text), name, 640, 480)
@@ -415,7 +415,7 @@ mod tests {
         assert_eq!(entry(r#""fy": 480.5,"#, ""), placed.intrinsics(Intrinsics::new([500.0; 2], [330.25, 239.0])));
         let toed_in = entry(r#""skew""#, r#""screen_distance": 3, "convergence": "toe-in", "skew""#);
         assert_eq!(toed_in.pose().unwrap().convergence, Convergence::ToeIn);
-        // The matrix has x to the right, y down, z ahead, for an eye that looks along -z. The left eye stands half the
+        // The matrix has x to the right, y down and z ahead, for an eye that looks along -z. The left eye is half the
         // baseline to the left.
         let matrix = r#""pose": [[1, 0, 0, 0.9375], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]"#;
         let posed = entry(r#""eye": [1, 2, 3], "target": [1, 2, -4], "up": [0, 1, 0]"#, matrix).pose().unwrap();

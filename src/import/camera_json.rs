@@ -20,7 +20,7 @@ impl StereoCamera {
     /// `camera`, for the values given to the setters. [`StereoCamera::from_json_str`] reads an equal camera from it.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::pose`].
+    /// Returns the errors of [`StereoCamera::pose`].
     pub fn to_json(&self) -> Result<String, Error> {
         let mut text: Value = serde_json::from_str(&self.pose()?.to_json()).unwrap_or_default();
         let aperture = match self.aperture {
@@ -66,7 +66,7 @@ impl StereoCamera {
     /// Does the same as [`StereoCamera::from_json_str`] for a file.
     ///
     /// # Errors
-    /// - Those of [`StereoCamera::from_json_str`], naming the file.
+    /// - The errors of [`StereoCamera::from_json_str`], which name the file.
     /// - [`Error::Io`] if the file can't be read or is no regular file.
     /// - [`Error::TooLarge`] if the file exceeds its limit in [`Limits`].
     pub fn from_json_file(path: impl AsRef<Path>) -> Result<Self, Error> {

@@ -6,12 +6,12 @@ use std::collections::VecDeque;
 
 use glam::DVec2;
 
-/// Largest number of steps per corner. 100,000 spikes of random length take 340 steps a corner. Only polygons with
+/// Largest number of steps per corner. 100,000 spikes of random length take 340 steps per corner. Only polygons with
 /// thousands of coincident corners take more.
 const STEPS_PER_CORNER: usize = 500;
 
-/// Cuts off one ear after the other. An ear is the triangle of a corner and its neighbours if no other part of the
-/// polygon reaches into it. Returns `None` if it fails.
+/// Cuts off the ears of a polygon one by one. An ear is the triangle of a corner and its neighbours if no other part of
+/// the polygon reaches into it. Returns `None` if it fails.
 pub(crate) fn cut_ears(points: &[DVec2]) -> Option<Vec<[usize; 3]>> {
     let mut ring = Ring::new(points);
     let mut ears = Vec::with_capacity(points.len() - 2);

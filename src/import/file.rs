@@ -50,11 +50,11 @@ pub struct SceneFile {
 }
 
 impl SceneFile {
-    /// Reads a scene file. Its content determines the format, else its name's extension.
+    /// Reads a scene file. Its content determines the format. If it does not, the extension of the file's name does.
     ///
     /// # Errors
     /// - [`Error::UnknownName`] for a file of another format.
-    /// - Those of [`Scene::from_obj_with`], [`Scene::from_gltf_with`] and [`Scene::from_ply_with`].
+    /// - The errors of [`Scene::from_obj_with`], [`Scene::from_gltf_with`] and [`Scene::from_ply_with`].
     /// - [`Error::Parse`] if the feature for the format is disabled.
     pub fn open(path: impl AsRef<Path>, options: &SceneOptions) -> Result<Self, Error> {
         let path = path.as_ref();
@@ -66,7 +66,7 @@ impl SceneFile {
     /// Its keys are paths from one folder, with `/` or `\` as separators. Files without folders have their names alone.
     ///
     /// Names in a file are relative to that file's folder. If no file is at that path, the file with the same last
-    /// component is taken, whatever its folders. Upper and lower case count as equal, and only one file may match. So
+    /// component is taken, in any folder. Upper and lower case count as equal, and only one file may match. So
     /// files may come without their folders.
     ///
     /// ```no_run
@@ -86,8 +86,9 @@ impl SceneFile {
     /// ```
     ///
     /// # Errors
-    /// Those of [`SceneFile::open`]. [`Error::Io`] of the kind [`NotFound`](std::io::ErrorKind::NotFound) if `name` is
-    /// not among the files. Missing files that it names give the same errors as on the disk.
+    /// Returns the errors of [`SceneFile::open`]. Returns [`Error::Io`] of the kind
+    /// [`NotFound`](std::io::ErrorKind::NotFound) if `name` is not among the files. Missing files that it names give
+    /// the same errors as on the disk.
     pub fn from_memory(name: &str, files: &BTreeMap<String, Vec<u8>>, options: &SceneOptions) -> Result<Self, Error> {
         let given = Given::new(files.iter().map(|(name, bytes)| (&**name, &**bytes)));
         // Other names are relative to this path's folder, and most systems only know `/`.

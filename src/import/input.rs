@@ -56,74 +56,74 @@ impl Default for Limits {
     }
 }
 
-/// Bytes of a sky pixel on the adapter.
+/// Number of bytes per sky pixel on the adapter.
 const SKY_PIXEL_BYTES: u64 = 16;
-/// Bytes of a texture pixel on the adapter.
+/// Number of bytes per texture pixel on the adapter.
 const TEXTURE_PIXEL_BYTES: u64 = 4;
-/// Pixels that may be decoded per pixel that may be kept. Some pictures are only inspected, and some turn out to be
-/// broken at their end.
+/// Number of pixels that may be decoded per pixel that may be kept. Some pictures are only inspected, and some turn out
+/// to be broken at their end.
 #[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
 const DECODED_PER_KEPT: u64 = 4;
 
 impl Limits {
     /// Sets the maximum size in bytes of an OBJ, glTF or PLY file, and of a sky or texture file. The MTL files of one
-    /// OBJ share this limit, and so do the buffers of one glTF file. 1 GiB by default.
+    /// OBJ share this limit, and so do the buffers of one glTF file. The default is 1 GiB.
     pub fn file_bytes(mut self, bytes: u64) -> Self {
         self.file_bytes = bytes;
         self
     }
 
     /// Sets the maximum size in bytes of a JSON file, and of a glTF file's JSON without its strings (a buffer may be a
-    /// string). In glTF an object counts as at least 32 bytes. 16 MiB by default.
+    /// string). In glTF an object counts as at least 32 bytes. The default is 16 MiB.
     pub fn json_bytes(mut self, bytes: u64) -> Self {
         self.json_bytes = bytes;
         self
     }
 
     /// Sets the maximum pixels of a sky, width times height. A pixel takes 12 bytes on the host and 16 on the adapter.
-    /// 8,388,608 (4096x2048) by default, which fits the 128 MiB that every WebGPU adapter can bind.
+    /// The default is 8,388,608 (4096x2048), which fits the 128 MiB that every WebGPU adapter can bind.
     pub fn sky_pixels(mut self, pixels: u64) -> Self {
         self.sky_pixels = pixels;
         self
     }
 
     /// Sets the maximum pixels of a texture, and of all textures of an OBJ's MTL files or of a glTF file together. A
-    /// pixel takes 4 bytes. Masks made from a picture's brightness or its own alpha cut-off count too. 67,108,864
-    /// (8192x8192) by default, which fits the 256 MiB that every WebGPU adapter can hold in a buffer. Four times as
-    /// many pixels may be decoded, including those of which only a mean is kept.
+    /// pixel takes 4 bytes. Masks made from a picture's brightness or its own alpha cut-off count too. The default is
+    /// 67,108,864 (8192x8192), which fits the 256 MiB that every WebGPU adapter can hold in a buffer. Four times as
+    /// many pixels may be decoded, including pixels of pictures of which only a mean is kept.
     pub fn texture_pixels(mut self, pixels: u64) -> Self {
         self.texture_pixels = pixels;
         self
     }
 
     /// Sets the maximum triangles of a scene file. A glTF mesh counts once per node that shows it. A triangle takes
-    /// some 80 bytes on the host, and 24 or 36 more with texture coordinates or colours; loading takes twice that. A
-    /// glTF file may have three times as many vertices. 33,554,432 by default.
+    /// some 80 bytes on the host, and 24 or 36 more with texture coordinates or colours. Loading takes twice that. A
+    /// glTF file may have three times as many vertices. The default is 33,554,432.
     pub fn triangles(mut self, triangles: u64) -> Self {
         self.triangles = triangles;
         self
     }
 
-    /// Sets the name that messages use for the option that raises [`Limits::triangles`]; `Limits` by default.
+    /// Sets the name that messages use for the option that raises [`Limits::triangles`]. The default is `Limits`.
     pub fn triangle_option_name(mut self, name: &'static str) -> Self {
         self.triangle_option_name = name;
         self
     }
 
-    /// Sets the name that messages use for the option that raises [`Limits::texture_pixels`]; `Limits` by default.
+    /// Sets the name that messages use for the option that raises [`Limits::texture_pixels`]. The default is `Limits`.
     pub fn texture_option_name(mut self, name: &'static str) -> Self {
         self.texture_option_name = name;
         self
     }
 
-    /// Sets the names that messages use for the options that raise the file limits and the sky limit, such as a
-    /// program's own options. `Limits` by default.
+    /// Sets the names that messages use for the options that raise the file limits and the sky limit, for example a
+    /// program's own options. The default is `Limits`.
     pub fn option_names(mut self, files: &'static str, skies: &'static str) -> Self {
         self.option_names = [files, skies];
         self
     }
 
-    /// Sets the device for skies. A sky that it can't hold is refused before it is decoded, whatever
+    /// Sets the device for skies. A sky that the device can't hold is refused before it is decoded, even within
     /// [`Limits::sky_pixels`].
     pub fn gpu(mut self, gpu: &Gpu) -> Self {
         self.adapter_pixels = gpu.largest_table();
@@ -168,8 +168,8 @@ impl Limits {
 /// limit.
 ///
 /// # Errors
-/// [`Error::Io`] if it can't be opened or is not a regular file, which may never end or block; [`Error::TooLarge`] for
-/// a file over the limit.
+/// Returns [`Error::Io`] if the file can't be opened or is not a regular file, which may never end or block. Returns
+/// [`Error::TooLarge`] for a file over the limit.
 pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u64), Error> {
     let io = |source| Error::io(path, source);
     // The type is checked before opening too: opening a pipe waits for a writer.

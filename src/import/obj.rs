@@ -65,8 +65,8 @@ struct Prepared {
     used_materials: Vec<(usize, String)>,
     /// Number of vertices, texture coordinates and normals so far.
     counts: Corners<usize>,
-    /// Whether some vertex so far has a colour. Then the number of vertices without one, and the line of the first
-    /// vertex with a weight.
+    /// Whether some vertex so far has a colour. `colorless` is the number of vertices without a colour, and
+    /// `first_weight` the line of the first vertex with a weight.
     has_colors: bool,
     colorless: usize,
     first_weight: Option<usize>,
@@ -248,7 +248,7 @@ fn without_comment(numbers: &str) -> &str {
     comment.map_or(numbers, |(at, _)| &numbers[..at])
 }
 
-/// Returns the name by which tobj finds a material. The sign makes empty names possible, which tobj refuses.
+/// Returns the name by which tobj finds a material. The `=` makes every name non-empty, since tobj refuses empty names.
 fn key(material: &str) -> String {
     format!("={material}")
 }

@@ -17,7 +17,7 @@ pub enum MissingTextures {
 }
 
 /// Treatment of files outside the scene file's folder that the scene file or its MTL files name. Files in the folder
-/// and below it are always read. Links count by their targets.
+/// and below it are always read. A link counts as inside if its target is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum OutsideFiles {

@@ -53,7 +53,7 @@ const UV: usize = 9;
 struct Content {
     /// World positions.
     positions: Vec<DVec3>,
-    /// As long as `positions`, or empty; also `colors` and `uv`.
+    /// One normal per vertex, or empty. The same holds for `colors` and `uv`.
     normals: Vec<Vec3>,
     colors: Vec<Vec3>,
     uv: Vec<Vec2>,
@@ -140,7 +140,7 @@ fn is_corners(property: &header::Property) -> bool {
     matches!(property.kind, Kind::List { .. }) && matches!(&*property.name, "vertex_indices" | "vertex_index")
 }
 
-/// Skips an unwanted element. An element without properties has no bytes, whatever its count.
+/// Skips an unwanted element. An element without properties has no bytes, for any count.
 fn skip(element: &Element, values: &mut impl Values) -> Result<(), (u64, String)> {
     let all = if element.properties.is_empty() { 0 } else { element.count };
     for index in 0..all {
@@ -341,7 +341,7 @@ fn spread<T: Copy>(of_vertices: &[T], triangles: &[[u32; 3]]) -> Vec<[T; 3]> {
     triangles.iter().map(|corners| corners.map(|corner| of_vertices[corner as usize])).collect()
 }
 
-/// Checks a vertex index, whatever type it is written in.
+/// Checks a vertex index of any number type.
 fn corner(value: f64, vertices: u64) -> Result<u32, String> {
     let is_there = value >= 0.0 && value <= f64::from(u32::MAX) && (value as u64) < vertices;
     match is_there && value.fract() == 0.0 {

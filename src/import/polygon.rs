@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::ears::cut_ears;
 
-/// Widths below this share of a face's size count as rounding. A fan may cover so much wrongly.
+/// Widths below this share of a face's size count as rounding. A fan may wrongly cover areas of this width.
 const ROUNDING: f64 = 1e-5;
 /// Largest thickness of a flat face along its normal, as a share of its size. Thicker faces have no clear split.
 const FLAT: f64 = 0.2;

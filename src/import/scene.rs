@@ -21,8 +21,8 @@ impl Scene {
     /// - Faces without normals are flat. A missing MTL is logged; its materials are grey.
     /// - Vertex colours (`v x y z r g b`) are sRGB.
     /// - Textures (`map_Kd`, `map_d`) of used materials are read with the feature `textures`.
-    /// - A mirror or glass without a diffuse colour takes its specular one.
-    /// - Unsupported features, such as highlights, lines and points, are logged once a file.
+    /// - A mirror or glass without a diffuse colour has its specular colour.
+    /// - Unsupported features, such as highlights, lines and points, are logged once per file.
     ///
     /// DESIGN, section 8, lists the MTL fields. The scene has no lights: see [`Scene::place_lights`].
     ///
@@ -39,7 +39,7 @@ impl Scene {
     /// Does the same as [`Scene::from_obj`], with the given limits.
     ///
     /// # Errors
-    /// Those of [`Scene::from_obj`].
+    /// Returns the errors of [`Scene::from_obj`].
     #[cfg(feature = "obj")]
     pub fn from_obj_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
         Self::from_obj_with(path, &SceneOptions::default().limits(*limits))
@@ -48,7 +48,7 @@ impl Scene {
     /// Does the same as [`Scene::from_obj`]; `options` set limits, missing textures and missing normals.
     ///
     /// # Errors
-    /// Those of [`Scene::from_obj`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
+    /// Returns the errors of [`Scene::from_obj`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
     #[cfg(feature = "obj")]
     pub fn from_obj_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
         obj::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)
@@ -73,7 +73,7 @@ impl Scene {
     /// Does the same as [`Scene::from_gltf`]; `options` set limits, missing textures and missing normals.
     ///
     /// # Errors
-    /// Those of [`Scene::from_gltf`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
+    /// Returns the errors of [`Scene::from_gltf`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
     #[cfg(feature = "gltf")]
     pub fn from_gltf_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
         gltf::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options).map(|file| file.scene)
@@ -99,7 +99,7 @@ impl Scene {
     /// Does the same as [`Scene::from_ply`]; `options` set limits and missing normals.
     ///
     /// # Errors
-    /// Those of [`Scene::from_ply`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
+    /// Returns the errors of [`Scene::from_ply`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
     #[cfg(feature = "ply")]
     pub fn from_ply_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
         ply::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)

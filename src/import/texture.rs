@@ -11,16 +11,16 @@ use crate::{Error, Limits, Texture, TextureKind};
 
 impl Texture {
     /// Reads a PNG or JPEG file as sRGB. With the feature `more-textures` it also reads BMP, GIF (the first picture),
-    /// TGA (by its file name extension), TIFF and WebP. Pictures without alpha are opaque, and 16 bits a channel are
-    /// rounded to 8.
+    /// TGA (by its file name extension), TIFF and WebP. Pictures without alpha are opaque, and 16-bit channels are
+    /// rounded to 8 bits.
     ///
-    /// The size is checked before decoding. Decoding takes up to 16 bytes a pixel, besides the format's own memory; the
-    /// texture keeps 4.
+    /// The size is checked before decoding. Decoding takes up to 16 bytes per pixel, besides the format's own memory.
+    /// The texture keeps 4.
     ///
     /// # Errors
     /// - [`Error::Io`] if the file can't be read or is no regular file.
     /// - [`Error::TooLarge`] if the file or its number of pixels exceeds its limit in [`Limits`].
-    /// - [`Error::Parse`] if it is not such a picture or has a side over
+    /// - [`Error::Parse`] if the file is not a picture of these formats or has a side over
     ///   [`MAX_TEXTURE_SIDE`](crate::scene::MAX_TEXTURE_SIDE).
     pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::open_within(path, &Limits::default())
@@ -29,7 +29,7 @@ impl Texture {
     /// Does the same as [`Texture::open`], with the given limits.
     ///
     /// # Errors
-    /// Those of [`Texture::open`].
+    /// Returns the errors of [`Texture::open`].
     pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let (file, _) = input::open(path, limits.file_bytes, limits.option_names[0])?;
@@ -39,7 +39,7 @@ impl Texture {
     /// Decodes a picture file in memory, as [`Texture::open`] does from the disk. Messages name it `name`.
     ///
     /// # Errors
-    /// Those of [`Texture::open`] except [`Error::Io`].
+    /// Returns the errors of [`Texture::open`] except [`Error::Io`].
     pub fn from_bytes(name: impl AsRef<std::path::Path>, bytes: &[u8], limits: &Limits) -> Result<Self, Error> {
         let path = name.as_ref();
         input::check_size(path, bytes.len() as u64, limits.file_bytes, limits.option_names[0])?;
@@ -75,7 +75,7 @@ impl Texture {
     }
 
     /// Decodes a picture that is, or is part of, the file `path`. `counted` becomes the number of decoded pixels, also
-    /// for a picture that turns out to be broken.
+    /// for a broken picture.
     pub(crate) fn decode_counted(
         path: &std::path::Path,
         source: impl std::io::BufRead + std::io::Seek,

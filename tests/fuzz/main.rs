@@ -1,13 +1,15 @@
-//! Scene files with bytes, numbers and pieces exchanged: whatever a file holds, reading it ends soon, in a scene or in
-//! an error that names the file. The test takes some seconds. To look for longer, at one format or all:
+//! Fuzzes the scene readers: bytes, numbers and pieces of scene files are exchanged at random. Reading must end soon,
+//! in a scene or in an error that names the file. The test takes some seconds. To search for longer, in one format or
+//! all:
 //!
 //! ```text
 //! MALLOC_MMAP_THRESHOLD_=65536 MALLOC_TRIM_THRESHOLD_=65536 STEREOTRACE_FUZZ_SECONDS=1200 \
 //!     cargo test --test fuzz gltf -- --nocapture
 //! ```
 //!
-//! Then each case's memory is measured too (Linux): glibc must give back what was freed, or the next case's is not
-//! seen. `STEREOTRACE_FUZZ_CASE=NUMBER` repeats one case, the one that a failure names.
+//! With this setting, the memory of each case is measured too (Linux). glibc must give freed memory back to the system,
+//! or the next case's memory is not seen. `STEREOTRACE_FUZZ_CASE=NUMBER` repeats the case with the number that a
+//! failure prints.
 #![cfg(all(feature = "obj", feature = "gltf", feature = "ply", feature = "textures"))]
 
 #[allow(dead_code, reason = "the other tests use more of it")]
@@ -30,18 +32,18 @@ use folder::Folder;
 use random::{Random, pcg};
 use stereotrace::{Limits, MissingTextures, SceneFile, SceneOptions};
 
-/// Without the environment's word for it.
+/// Default duration per format, if the environment variable is not set.
 const SECONDS: u64 = 2;
-/// A case may take so long: files have a few thousand bytes.
+/// Maximum time of a case. Files have a few thousand bytes.
 const LONGEST: Duration = Duration::from_secs(10);
-/// Triangles and pixels of textures that a case may ask for. What they take is not the files' own.
+/// Limits on triangles and texture pixels of a case. Their memory depends on the counts, not on the size of the files.
 const MOST_TRIANGLES: u64 = 20_000;
 const MOST_PIXELS: u64 = 1 << 16;
-/// What a case may take beside 20 times its files: so many triangles, pixels while they are decoded, and what the
-/// allocator keeps.
+/// Maximum memory of a case beside 20 times the size of its files. It covers that many triangles, the pixels while they
+/// are decoded, and what the allocator keeps.
 const MOST_MEMORY: u64 = 24 << 20;
 
-/// The files of a case, the first one to be opened.
+/// The files of a case. The first one is opened.
 type Files = Vec<(String, Vec<u8>)>;
 
 #[test]
@@ -88,7 +90,7 @@ fn fuzz(name: &str, seeds: &[Files]) {
         let chosen = below(&mut random, files.len());
         let (name, content) = &mut files[chosen];
         if name.ends_with(".glb") && random.unit() < 0.7 {
-            // Its lengths stay right.
+            // The lengths in the file's header stay right.
             let (mut json, mut buffer) = seeds::parts(content);
             mutate(if random.unit() < 0.7 { &mut json } else { &mut buffer }, &mut random);
             *content = gltf::binary(json, &buffer);
@@ -102,7 +104,7 @@ fn fuzz(name: &str, seeds: &[Files]) {
             Ok(_) => scenes += 1,
             Err(error) => {
                 errors += 1;
-                // Where nothing else does, its own path begins it.
+                // A message without another path begins with the file's own path.
                 let message = error.to_string();
                 let is_clear = message.contains("fuzz_") || message.starts_with("unknown ending of a scene file");
                 assert!(is_clear && message.len() < 20_000, "{message}");
@@ -125,13 +127,13 @@ fn options() -> SceneOptions {
     SceneOptions::default().limits(limits).missing_textures(MissingTextures::Warn).crease_angle(Some(30.0))
 }
 
-/// Writes files and returns where the first one lies, and how large all are.
+/// Writes files. Returns the path of the first one and the size of all of them.
 fn write(folder: &Folder, files: &Files) -> (PathBuf, u64) {
     files.iter().for_each(|(name, content)| drop(folder.write(name, content)));
     (folder.file(&files[0].0), files.iter().map(|(_, content)| content.len() as u64).sum())
 }
 
-/// Says which case it was, unless it is forgotten.
+/// Prints the format and the case number if the test panics; `std::mem::forget` disarms it.
 struct OnPanic<'a>(&'a str, u64);
 
 impl Drop for OnPanic<'_> {
@@ -144,7 +146,7 @@ fn below(random: &mut Random, count: usize) -> usize {
     ((random.unit() * count as f32) as usize).min(count.saturating_sub(1))
 }
 
-/// Numbers at which readers stumble.
+/// Numbers that are hard for readers.
 const NUMBERS: [&str; 22] = [
     "0",
     "1",
@@ -173,7 +175,7 @@ const NUMBERS: [&str; 22] = [
 fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     for _ in 0..1 + below(random, 3) {
         let at = below(random, bytes.len().max(1));
-        // Numbers as often as all else: what is not read as text or JSON says little.
+        // Numbers are mutated as often as all else, since a file that is no longer text or JSON tests little.
         match below(random, 12) {
             _ if bytes.is_empty() => bytes.push(0),
             0 => bytes[at] ^= 1 << below(random, 8),
@@ -190,7 +192,7 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
                 bytes.splice(to..to, piece);
             }
             5 => {
-                // A word of a binary file.
+                // This writes a word as binary files have it.
                 let word = [0u32, 1, 3, 255, 65_536, 0x7fff_ffff, u32::MAX, 0x7f80_0000, 0x7fc0_0000][below(random, 9)];
                 for (place, byte) in bytes[at..].iter_mut().zip(word.to_le_bytes()) {
                     *place = byte;
@@ -212,14 +214,14 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     }
 }
 
-/// Where the next number written in digits stands.
+/// Returns the position of the next number written in digits.
 fn number_from(bytes: &[u8], at: usize) -> Option<std::ops::Range<usize>> {
     let start = at + bytes[at..].iter().position(u8::is_ascii_digit)?;
     let length = bytes[start..].iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(bytes.len() - start);
     Some(start..start + length)
 }
 
-/// Makes the process's peak what is in use, in bytes.
+/// Resets the process's peak memory to its current memory, and returns that in bytes.
 fn reset_peak() -> u64 {
     fs::write("/proc/self/clear_refs", "5").unwrap();
     status("VmRSS:")

@@ -1,5 +1,5 @@
-//! Small files whose many parts name one large thing, or which promise much and hold little. Each is made by a rule
-//! with random choices, and read by a process of its own, whose memory and time are bounded.
+//! Small files whose many parts name one large thing, or which promise much and contain little. Each is made by a rule
+//! with random choices. A separate process reads it, with bounds on memory and time.
 
 use std::{
     fmt::Write,
@@ -20,7 +20,7 @@ use crate::{
     status, write,
 };
 
-/// How large files are, what they may decode to, and how long reading one may take.
+/// Size of the files, limits on what they may decode to, and maximum reading time.
 struct Size {
     bytes: usize,
     triangles: u64,
@@ -31,19 +31,19 @@ struct Size {
 const SMALL: Size = Size { bytes: 64 << 10, triangles: 20_000, pixels: 1 << 16, longest: Duration::from_secs(5) };
 const LARGE: Size = Size { bytes: 1 << 20, triangles: 1 << 18, pixels: 1 << 22, longest: Duration::from_secs(10) };
 
-/// Memory that a byte of a file may take beside what the file decodes to.
+/// Allowed memory per byte of a file, beside what the file decodes to.
 const BYTES_PER_BYTE: u64 = 200;
-/// Memory of a triangle: some 140 bytes with normals, colours and texture coordinates, twice while they are moved into
-/// the scene.
+/// Allowed memory per triangle. A triangle takes some 140 bytes with normals, colours and texture coordinates, twice
+/// while triangles are moved into the scene.
 const TRIANGLE_BYTES: u64 = 300;
-/// Memory of a pixel while it is decoded.
+/// Allowed memory per pixel while it is decoded.
 const PIXEL_BYTES: u64 = 24;
-/// What the allocator keeps.
+/// Memory that the allocator keeps.
 const SPARE_BYTES: u64 = 8 << 20;
-/// A process that wants more than this is ended by the system.
+/// Memory at which the system ends the reading process.
 const MOST_KIBIBYTES: u64 = 6 << 20;
 
-/// A rule that makes files of about so many bytes, with a picture of so many pixels.
+/// A rule that makes files of about `Size::bytes` bytes, with a picture of `Size::pixels` pixels.
 type Make = fn(&mut Random, &Size) -> Files;
 
 const STRUCTURES: [(&str, Make); 33] = [
@@ -87,8 +87,9 @@ fn many_small_things_that_name_a_large_one() {
     try_all(2, &SMALL);
 }
 
-/// Some minutes: `cargo test --test fuzz large_structures -- --ignored --nocapture`. `STEREOTRACE_FUZZ_ROUNDS` says how
-/// often, 3 times where it is not set; `STEREOTRACE_FUZZ_STRUCTURE` chooses structures by a part of their names.
+/// This takes some minutes: `cargo test --test fuzz large_structures -- --ignored --nocapture`.
+/// `STEREOTRACE_FUZZ_ROUNDS` sets the number of rounds, 3 by default. `STEREOTRACE_FUZZ_STRUCTURE` chooses structures
+/// by a part of their names.
 #[test]
 #[ignore = "minutes; its small form is the test above"]
 fn large_structures() {
@@ -96,7 +97,7 @@ fn large_structures() {
     try_all(rounds, &LARGE);
 }
 
-/// Reads the file that the environment names, for [`try_one`].
+/// Reads the file that the environment names, as the child process of [`try_one`].
 #[test]
 #[ignore = "a process of its own, which the tests above start"]
 fn read_one() {
@@ -115,7 +116,7 @@ fn read_one() {
     let started = Instant::now();
     let outcome = match SceneFile::open(&path, &options) {
         Ok(file) => {
-            // As a data set and a list of what there is do.
+            // Data sets and listings read the content in the same way.
             let mut bytes = 0;
             file.scene.content(|piece| bytes += piece.len());
             format!("a scene of {} triangles and {bytes} bytes", file.scene.triangles().len())
@@ -123,19 +124,19 @@ fn read_one() {
         Err(error) => error.to_string(),
     };
     let taken = memory("VmHWM:").saturating_sub(before);
-    // Of the processor, which other programs do not lengthen.
+    // Processor time is used, since other programs don't lengthen it.
     let time = processor_time().unwrap_or(started.elapsed());
     println!("\nread in {} ms by {taken} bytes: {outcome}", time.as_millis());
 }
 
-/// What this process has used so far, where the system says so. Its clock has hundredths of a second.
+/// Returns the processor time of this process, if the system reports it. Its resolution is a hundredth of a second.
 fn processor_time() -> Option<Duration> {
     let stat = fs::read_to_string("/proc/self/stat").ok()?;
     let mut fields = stat.rsplit_once(") ")?.1.split(' ').skip(11).map(|field| field.parse::<u64>());
     Some(Duration::from_millis(10 * (fields.next()?.ok()? + fields.next()?.ok()?)))
 }
 
-/// Zero where the system does not say.
+/// Returns a memory figure of this process, or 0 if the system doesn't report it.
 fn memory(field: &str) -> u64 {
     if cfg!(target_os = "linux") { status(field) } else { 0 }
 }
@@ -157,7 +158,7 @@ fn try_all(rounds: u32, size: &Size) {
     assert!(faults.is_empty() && count > 0, "{}", faults.join("\n"));
 }
 
-/// Reads files in a process of its own, within the bounds.
+/// Reads files in a separate process, within the bounds.
 fn try_one(folder: &Folder, files: &Files, size: &Size) -> Result<(), String> {
     let (path, bytes) = write(folder, files);
     let output = folder.file("output.txt");
@@ -206,8 +207,8 @@ fn reader(path: &Path, size: &Size, output: &Path) -> Command {
     command
 }
 
-/// A square picture of as many pixels as the limit has, in bands of all alphas. It is some thousandth of its pixels'
-/// size.
+/// Returns a square picture with as many pixels as the limit allows, in bands of all alphas. The file has about a
+/// thousandth of the size of its pixels.
 fn picture(size: &Size) -> Vec<u8> {
     let side = size.pixels.isqrt() as usize;
     let pixels: Vec<u8> = (0..side).flat_map(|row| [200, (256 * row / side) as u8].repeat(side)).collect();
@@ -222,14 +223,14 @@ fn picture(size: &Size) -> Vec<u8> {
     bytes
 }
 
-/// One that ends before its last pixels do.
+/// Returns a picture that ends before its last pixels.
 fn broken_picture(size: &Size) -> Vec<u8> {
     let mut bytes = picture(size);
     bytes.truncate(bytes.len() * 9 / 10);
     bytes
 }
 
-/// A name of up to half of the bytes.
+/// Returns a name of up to half of the bytes.
 fn long_name(random: &mut Random, size: &Size) -> String {
     let letter = ["a", "é", " x", "\u{1}"][below(random, 4)];
     letter.repeat(((size.bytes / 2) >> below(random, 4)) / letter.len())
@@ -268,7 +269,7 @@ fn obj_long_name(random: &mut Random, size: &Size) -> Files {
     vec![("scene.obj".into(), obj.into())]
 }
 
-/// An OBJ that uses so many materials, and an MTL with these lines for each.
+/// Makes an OBJ with as many materials as the size allows, and an MTL with these lines for each.
 fn obj_with(size: &Size, lines: impl Fn(usize) -> String) -> Files {
     let (mut obj, mut mtl) = (format!("mtllib scene.mtl\n{CORNERS}"), String::new());
     for number in 0.. {
@@ -356,7 +357,7 @@ fn obj_lines(random: &mut Random, size: &Size) -> Files {
 
 // --- glTF ---
 
-/// As text or binary, with its buffer in a URI, a chunk or a file.
+/// Returns the files of a scene: text or binary, with the buffer in a URI, a chunk or a file.
 fn file_of(random: &mut Random, builder: &Builder) -> Files {
     match below(random, 3) {
         0 => vec![("scene.gltf".into(), builder.text().into())],
@@ -369,7 +370,7 @@ fn file_of(random: &mut Random, builder: &Builder) -> Files {
     }
 }
 
-/// As many as fill the bytes that are left, at so many each.
+/// Returns how many items of `each` bytes fill the bytes that are left.
 fn count(size: &Size, taken: usize, each: usize) -> usize {
     size.bytes.saturating_sub(taken) / each
 }
@@ -397,7 +398,7 @@ fn gltf_long_name(random: &mut Random, size: &Size, what: &str) -> Files {
     file_of(random, &builder)
 }
 
-/// A triangle for each of so many materials.
+/// Adds a triangle for each of `count` materials.
 fn gltf_of_materials(builder: &mut Builder, count: usize, material: impl Fn(usize) -> Value) {
     let primitive = builder.json["meshes"][0]["primitives"][0].clone();
     for number in 0..count {
@@ -441,7 +442,7 @@ fn gltf_veils(random: &mut Random, size: &Size) -> Files {
     file_of(random, &builder)
 }
 
-/// Textures of so many images, each in a material's place of the caller's choice.
+/// Adds textures of these images, each at a random place in a material.
 fn gltf_of_images(random: &mut Random, builder: &mut Builder, images: Vec<Value>) {
     let place = one_of(random, &["baseColorTexture", "metallicRoughnessTexture"]);
     builder.json["samplers"] =
@@ -476,7 +477,7 @@ fn gltf_images(random: &mut Random, size: &Size) -> Files {
     files
 }
 
-/// Views of one picture that end at different places behind it.
+/// Makes views of one picture that end at different places behind it.
 fn gltf_pieces(random: &mut Random, size: &Size) -> Files {
     let mut builder = Builder::triangle(json!({}));
     let picture = picture(size);
@@ -543,7 +544,7 @@ fn gltf_sparse(random: &mut Random, size: &Size) -> Files {
     file_of(random, &builder)
 }
 
-/// A scene with this JSON in the place of a list.
+/// Makes a scene in which this JSON replaces a list.
 fn gltf_with(list: &str, items: &str) -> Files {
     let builder = Builder::triangle(json!({}));
     let json = serde_json::to_string(&builder.json).unwrap();
@@ -552,7 +553,7 @@ fn gltf_with(list: &str, items: &str) -> Files {
         &format!("{{\"{list}\":{items},\"buffers\":[{{\"byteLength\":{}}}],\"", builder.bytes.len()),
         1,
     );
-    // The builder's own list of this name, if it has one, makes it a duplicate: an error, once both are read.
+    // If the builder already has a list of this name, the duplicate is an error once both are read.
     vec![("scene.glb".into(), binary(json.into_bytes(), &builder.bytes))]
 }
 
@@ -586,7 +587,7 @@ fn gltf_values(random: &mut Random, size: &Size) -> Files {
     gltf_with("accessors", &format!("[{{{key}:[{items}]}}]"))
 }
 
-/// A mesh of as many triangles as fill a quarter of the bytes.
+/// Returns a mesh of as many triangles as fill a quarter of the bytes.
 fn gltf_mesh(size: &Size) -> (Builder, Value) {
     let mut builder = Builder::new();
     let count = size.bytes / 4 / 36;
@@ -707,7 +708,7 @@ fn gltf_lights(random: &mut Random, size: &Size) -> Files {
 
 const VERTICES: &str = "property float x\nproperty float y\nproperty float z\n";
 
-/// A text of three corners, with these lines in its header and these before the face.
+/// Returns a text file with three corners, these lines in its header, and these lines before the face.
 fn ply(header: &str, vertex: &str, body: &str) -> Files {
     let text = format!(
         "ply\nformat ascii 1.0\nelement vertex 3\n{VERTICES}{vertex}{header}element face 1\nproperty list uchar int \
@@ -734,7 +735,7 @@ fn ply_elements(random: &mut Random, size: &Size) -> Files {
     ply(&elements, "", "0 0 0\n1 0 0\n0 1 0\n")
 }
 
-/// A binary file of 256 vertices, with all that a vertex may have, and faces of these counts and corners.
+/// Returns a binary file of 256 vertices with every vertex property, and faces with these counts and corners.
 fn binary_ply(random: &mut Random, count: &str, faces: &str, body: &[u8]) -> Files {
     let more = "nx ny nz red green blue u v".split(' ').map(|name| format!("property float {name}\n"));
     let more: String = if random.unit() < 0.5 { more.collect() } else { String::new() };

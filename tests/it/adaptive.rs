@@ -1,5 +1,5 @@
-//! Adaptive samples: against the recursion over a picture of all samples, against very many samples, and what they do
-//! not go with.
+//! Tests adaptive samples against the recursion over a picture of all samples, and against very many samples. Also
+//! tests which options are refused with them.
 
 use crate::common;
 
@@ -11,7 +11,8 @@ use stereotrace::{
     StereoCamera, UploadedScene, View, blocking::Wait, glam::Vec3,
 };
 
-/// A camera that has a pixel for each sample in the corners of this one's pixels, `side` of them from corner to corner.
+/// Returns a camera whose pixels stand for the samples at the corners of this camera's pixels, `side` of them per pixel
+/// side.
 fn lattice(camera: StereoCamera, side: u32) -> StereoCamera {
     let pose = camera.pose().unwrap();
     let [width, height] = pose.size.map(|pixels| pixels * side);
@@ -19,7 +20,7 @@ fn lattice(camera: StereoCamera, side: u32) -> StereoCamera {
     camera.size(width + 1, height + 1).screen_width(screen_width as f32).interaxial(pose.interaxial)
 }
 
-/// A cell's colour by Whitted's recursion: `all` has a sample for each place that it may ask for.
+/// Returns a cell's colour by Whitted's recursion. `all` has a sample for each place that the recursion may ask for.
 fn divided(all: &View, [x, y]: [u32; 2], side: u32, tolerance: u8) -> [f64; 3] {
     let corners = [[x, y], [x + side, y], [x, y + side], [x + side, y + side]];
     let places = corners.map(|[x, y]| (y * all.width + x) as usize);
@@ -36,13 +37,13 @@ fn divided(all: &View, [x, y]: [u32; 2], side: u32, tolerance: u8) -> [f64; 3] {
     [0, 1, 2].map(|channel| four.iter().map(|color| color[channel]).sum::<f64>() / 4.0)
 }
 
-/// Views that no other is made from: nothing but its own samples decides what is divided.
+/// Tests views that no other view is made from. Only their own samples decide which cells are divided.
 #[test]
 fn a_view_is_what_the_recursion_makes_of_all_samples() {
     let mut renderer = renderer();
     for (levels, tolerance, scene) in [(2, 0, random_stage(4)), (4, 20, random_stage(4)), (3, 8, random_stage(5))] {
         let uploaded = renderer.upload(&scene).wait().unwrap();
-        // Several bands of rows, and in some levels several of them a band.
+        // The picture has several bands of rows. At some levels a band has several rows of cells.
         let camera = camera(90, 71);
         let side = 1 << (levels - 1);
         let options = Options::new(Method::Naive).linear(true).g_buffer(GBuffer::None);
@@ -56,8 +57,8 @@ fn a_view_is_what_the_recursion_makes_of_all_samples() {
             for (place, color) in found.view.linear.iter().enumerate() {
                 let [x, y] = [place as u32 % 90, place as u32 / 90].map(|pixel| pixel * side);
                 let expected = divided(all, [x, y], side, tolerance);
-                // The places of samples are rounded otherwise in a larger picture: a few fall on the other side of an
-                // edge.
+                // Sample positions are rounded differently in a larger picture, so a few samples fall on the other side
+                // of an edge.
                 off += u32::from((0..3).any(|channel| (f64::from(color[channel]) - expected[channel]).abs() > 1e-4));
             }
             println!("{levels} levels: {off} pixels off, {} samples", found.work.rays.primary);
@@ -99,12 +100,13 @@ fn bracket_rays_are_naive_to_the_last_bit() {
             assert!(bracket.view.primitive == naive.view.primitive && bracket.view.depth == naive.view.depth);
             let primary = [rays, bracket].map(|view| view.work.rays.primary as f64 / naive.work.rays.primary as f64);
             println!("{levels}, view {index}: {primary:?} of {}", naive.work.rays.primary);
-            // What is traced of a view that is made from another: .04 at most; of the source, divided cells' corners
-            // again.
+            // Share of traced primary rays. In a view that is made from another it is 0.04 at most. In the source view,
+            // the corners of divided cells are traced again.
             let bounds = if index == 1 { 1.0..1.5 } else { 0.0..0.08 };
             assert!(primary.iter().all(|share| bounds.contains(share)), "{levels}, view {index}: {primary:?}");
             let shadow = bracket.work.rays.shadow as f64 / naive.work.rays.shadow as f64;
-            // Measured: at most .574. Divided cells lie at edges, where shadows are narrow and lights are traced again.
+            // Measured: at most 0.574. Divided cells lie at edges, where shadows are narrow and lights are traced
+            // again.
             println!("{levels}, view {index}: {shadow:.3} of the shadow rays");
             assert!(index == 1 || shadow < 0.7, "{levels}, view {index}: {shadow}");
         }
@@ -118,7 +120,7 @@ fn error(view: &View, reference: &[[u8; 4]]) -> f64 {
     (sum / (3.0 * view.rgba8.len() as f64)).sqrt()
 }
 
-/// 64x64 samples a pixel.
+/// Returns both views with 64x64 samples per pixel.
 fn reference(renderer: &mut Renderer, uploaded: &UploadedScene, camera: StereoCamera) -> [Vec<[u8; 4]>; 2] {
     let pose = camera.pose().unwrap();
     let [width, height] = pose.size;
@@ -154,11 +156,11 @@ fn the_more_levels_the_nearer_to_64x64_samples_in_both_eyes() {
         let errors = [error(&pair.left, &truth[0]), error(&pair.right, &truth[1])];
         let rays = [pair.statistics.left.rays, pair.statistics.right.rays];
         println!("{levels} levels: off by {errors:?}, {rays:?}");
-        // Measured are .40 to .48 of the error of one level less.
+        // Measured: the error is 0.40 to 0.48 of the error with one level less.
         assert!(errors.iter().zip(before).all(|(error, before)| *error < 0.6 * before), "{levels}: {errors:?}");
         before = errors;
     }
-    // As near as all samples bring it, for a part of them.
+    // Adaptive samples must come as near to the truth as all samples, for a part of the rays.
     let all = Options::new(Method::BRACKET).samples(64).g_buffer(GBuffer::None);
     let all = renderer.pair(&uploaded, &camera).options(&all).read().wait().unwrap();
     println!("64 samples: off by {:?}", [error(&all.left, &truth[0]), error(&all.right, &truth[1])]);
@@ -195,7 +197,7 @@ fn rows_are_those_of_the_whole_and_counts_are_of_all_samples() {
         assert_eq!(sum, right.work.nodes + right.work.primitive_tests);
         assert_eq!(right.view.depth.is_empty(), g_buffer == GBuffer::None);
         assert!(right.view.linear.is_empty() && right.source.len() == 301 * 77);
-        // What comes after is as it would have been.
+        // Later frames must not be changed by this one.
         let usual = Options::new(Method::BRACKET);
         let one = renderer.pair(&uploaded, &camera(301, 77)).options(&usual).read().wait().unwrap();
         assert!(g_buffer == GBuffer::None || one.right.depth == right.view.depth);

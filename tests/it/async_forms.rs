@@ -1,4 +1,4 @@
-//! Async functions: their results on whatever thread they are polled, and futures that are dropped.
+//! Tests async functions: their results on any thread that polls them, and futures that are dropped.
 
 use crate::common;
 
@@ -21,7 +21,7 @@ fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO).screen_distance(5.0).size(50, 37).interaxial_pixels(6.0)
 }
 
-/// But for what depends on the clock.
+/// Removes the statistics that depend on the clock.
 fn timeless(mut pair: StereoPair) -> StereoPair {
     pair.statistics.times = None;
     pair
@@ -34,7 +34,7 @@ fn async_forms_give_what_the_blocking_ones_give_on_another_thread() {
     let options = [Method::Auto, "adelson-hodges".parse().unwrap()].map(Options::new);
     let wanted = std::env::var("STEREOTRACE_ADAPTER").unwrap_or_else(|_| "software".into());
     let calls = AtomicU32::new(0);
-    // Made here and polled there: a future that can't go there does not compile.
+    // The future is made here and polled on another thread. A future that can't be sent there does not compile.
     let there = async {
         let mut renderer = Renderer::new(Gpu::open(wanted).await?);
         let mut uploaded = renderer.upload(&scene).await?;

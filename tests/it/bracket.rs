@@ -1,4 +1,4 @@
-//! `bracket`, `verified` and `auto` against `Naive` of the same run, and against plain Rust.
+//! Tests `bracket`, `verified` and `auto` against `Naive` of the same run, and against plain Rust.
 
 use crate::common;
 
@@ -23,7 +23,7 @@ const BITS: [(ShadowReuse, Method); 3] = [
     (ShadowReuse::Block, Method::VERIFIED),
 ];
 
-/// Every scene there is, at a size that is no multiple of a tile.
+/// Returns every built-in scene and trial, at a size that is no multiple of a tile.
 fn scenes() -> impl Iterator<Item = (String, Scene, StereoCamera)> {
     let builtins = [Builtin::Spheres, Builtin::Hall].into_iter();
     let builtins = builtins.map(|builtin| (builtin.to_string(), builtin.scene(), builtin.camera(93, 62)));
@@ -54,9 +54,9 @@ fn primary_visibility_is_naive_s_on_every_scene_and_without_shadow_bits_so_is_th
     }
 }
 
-/// Least share of identical pixels in percent, by `bracket` and by `verified`: as measured, with half as many differing
-/// pixels again and 0.1 to spare. Wires, hair and grains are thinner than the left samples, and so are their shadows;
-/// the hall's are at this size.
+/// Minimum percentage of identical pixels by `bracket` and by `verified`. The bounds are the measured values, minus
+/// half of the differing pixels and 0.1. Wires, hair and grains are thinner than the distance of the left samples, and
+/// so are their shadows. At this size the hall's shadows are thin too.
 fn least_identical(name: &str) -> [f64; 2] {
     match name {
         "wires" => [91.9, 94.4],
@@ -95,7 +95,8 @@ fn shadows_of_wires_hair_leaves_cables_and_strips_are_not_lost() {
         let difference = compare(&render(Method::BRACKET).right, &naive.right, &naive.pose).unwrap();
         let wrong = 100.0 - difference.identical_percent;
         println!("{trial}: {wrong:.3}");
-        // As measured at 300x300 0.093 under leaves and at most 0.071 in the others; 0.6 to 6.4 where no light is busy.
+        // Measured at 300x300: 0.093 under leaves and at most 0.071 in the other trials. It would be 0.6 to 6.4 if no
+        // light were busy.
         assert!(wrong <= 0.15, "{trial}: {wrong}");
     }
 }
@@ -135,11 +136,11 @@ fn auto_never_costs_more_than_naive_whatever_the_interaxial_and_says_what_it_cho
         for e_px in [2.3, 46.0] {
             let camera = camera.interaxial_pixels(e_px);
             let mut render = |options| renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
-            // Chosen as it ships: counting traces one ray a lane, and may choose otherwise.
+            // The choice is tested without counting. Counting traces one ray per lane, and may choose otherwise.
             let auto = render(Options::default());
             let choice = auto.statistics.choice.expect("auto says why");
             assert_eq!(choice.method, auto.statistics.method);
-            // The device chose, and the host's model says the same of what was counted.
+            // The device chose. The host's model must choose the same from the counters.
             assert_eq!(choice.method == Method::BRACKET, choice.bracket < choice.naive, "{name} e = {e_px}: {choice}");
             assert!(choice.to_string().starts_with(&choice.method.to_string()));
             assert!(auto.right == render(Options::new(choice.method)).right, "{name} e = {e_px}");
@@ -173,7 +174,7 @@ fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO).screen_distance(5.0).size(70, 53).interaxial_pixels(6.0)
 }
 
-/// What each right pixel's ray hits, as a render has it.
+/// Returns the hit of each right pixel's ray, from a rendered pair.
 fn right_hits(pair: &StereoPair) -> Vec<(f32, u32)> {
     let far = |depth: f32| if depth.is_finite() { depth } else { stereotrace::FAR };
     pair.right.depth.iter().zip(&pair.right.primitive).map(|(depth, id)| (far(*depth), *id)).collect()
@@ -216,7 +217,7 @@ fn shadow_bits_are_taken_where_plain_rust_takes_them() {
             let pair = render(&scene, &camera, method);
             let twin = bracket::shadow_sources(&scene, &[(&frame, &left)], &right_hits(&pair), reuse);
             let differing = twin.iter().zip(&pair.shadow_source).filter(|(twin, pixel)| twin != pixel).count();
-            // A cosine of rounding only may have either sign.
+            // A cosine that is rounding error alone may have either sign.
             assert!(differing <= if exact { 2 } else { 40 }, "seed {seed} {method}: {differing}");
             let traced = twin.iter().filter(|source| **source == ShadowSource::Traced).count();
             let few = reuse == ShadowReuse::Rays || 10 * traced < 8 * twin.len();
@@ -240,7 +241,7 @@ fn among_cut_outs_pixels_are_finished_and_bits_taken_as_in_plain_rust() {
             let fates = fates.iter().zip(&pair.source).filter(|(twin, pixel)| twin != pixel).count();
             let twin = bracket::shadow_sources(&scene, &[(&frame, &left)], &right_hits(&pair), reuse);
             let bits = twin.iter().zip(&pair.shadow_source).filter(|(twin, pixel)| twin != pixel).count();
-            // A cosine of rounding only may have either sign.
+            // A cosine that is rounding error alone may have either sign.
             let allowed = if exact { [0, 2] } else { [20, 40] };
             assert!(fates <= allowed[0] && bits <= allowed[1], "seed {seed} {method}: {fates} fates, {bits} bits");
             let traced = twin.iter().filter(|source| **source == ShadowSource::Traced).count();
@@ -259,7 +260,7 @@ fn a_view_between_two_sources_takes_bits_where_plain_rust_takes_them_of_either()
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let offsets = [-0.5, 0.2, 0.6];
         let rig = Rig::at(camera, offsets.to_vec()).traced(vec![0, 2]);
-        // The third view is the nearer source of the second, and stands to its right.
+        // The third view is the nearer source of the second view, and stands to its right.
         let frames = [2, 0].map(|source| Frame::between(&pose, offsets[source], offsets[1]));
         let hits = frames.map(|frame| trace_left(&scene, &frame, Eye::Left));
         let sources = [(&frames[0], hits[0].as_slice()), (&frames[1], hits[1].as_slice())];
@@ -274,10 +275,11 @@ fn a_view_between_two_sources_takes_bits_where_plain_rust_takes_them_of_either()
                 (differing, twin.iter().filter(|source| **source == ShadowSource::Traced).count())
             };
             let ((differing, both), (_, one)) = (traced(&sources), traced(&sources[..1]));
-            // A cosine of rounding only may have either sign.
+            // A cosine that is rounding error alone may have either sign.
             assert!(differing <= if exact { 2 } else { 40 }, "seed {seed} {method}: {differing}");
             println!("seed {seed} {method}: {one} by one source, {both} by two");
-            // Most pixels of so small a picture are near a narrow shadow, and are traced by one source as by two.
+            // With shadow rays, most pixels of this small picture are near a narrow shadow. They are traced with one
+            // source as with two.
             assert!(reuse == ShadowReuse::Rays || both < one, "seed {seed} {method}: {both} of {one}");
         }
     }
@@ -302,7 +304,7 @@ fn more_lights_than_bits_are_kept_for_are_traced() {
 
 #[test]
 fn a_block_that_more_primitives_touch_than_its_list_holds_is_traced() {
-    // A hundred walls, one behind the other, each nearly as near as the next, in front of a sphere.
+    // A hundred walls stand behind each other in front of a sphere, with almost equal depths.
     let mut scene = Scene::new();
     scene.add_material(Material::new(Vec3::splat(0.5)));
     for layer in 0..100 {
@@ -316,7 +318,8 @@ fn a_block_that_more_primitives_touch_than_its_list_holds_is_traced() {
     assert_eq!(hits(&pair), hits(&naive));
 }
 
-/// Renders a ball of some 440 pixels by every kind of `bracket`. Returns its pixels, and how many of them are traced.
+/// Renders a ball of some 440 pixels by every kind of `bracket`. Returns the number of its pixels, and how many of them
+/// are traced.
 fn dense_ball(rings: u32) -> (usize, usize) {
     let mut scene = Scene::new();
     scene.add_mesh(&ball(Vec3::ZERO, 1.0, rings)).unwrap();
@@ -341,8 +344,8 @@ fn dense_ball(rings: u32) -> (usize, usize) {
 
 #[test]
 fn meshes_of_many_triangles_a_pixel_show_what_naive_shows() {
-    // 2 triangles a pixel: nearly all fit, 4 pixels don't, about the poles, where there are more; 13: half don't; 148:
-    // whole tiles are given up.
+    // With 2 triangles per pixel, nearly all tiles fit; 4 pixels about the poles, where triangles are denser, don't.
+    // With 13 per pixel, half of the pixels don't fit. With 148 per pixel, whole tiles are given up.
     let [fitting, overflowing, given_up] = [20, 53, 180].map(dense_ball);
     println!("{fitting:?} {overflowing:?} {given_up:?}");
     assert!(fitting.1 <= 12, "{fitting:?}");
@@ -352,7 +355,7 @@ fn meshes_of_many_triangles_a_pixel_show_what_naive_shows() {
 
 #[test]
 fn a_ray_meets_only_what_its_pixel_s_centre_lies_in_the_bounds_of() {
-    // A wall on the screen, a square of two triangles for each pixel.
+    // A wall on the screen has a square of two triangles for each pixel.
     let camera = camera().size(64, 48);
     let frame = Frame::new(&camera.pose().unwrap());
     let center = |x, y| frame.eye(Eye::Right) + 5.0 * frame.direction(Eye::Right, x, y);
@@ -369,7 +372,8 @@ fn a_ray_meets_only_what_its_pixel_s_centre_lies_in_the_bounds_of() {
     let uploaded = renderer.upload(&scene).wait().unwrap();
     let pair =
         renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET).count(true)).read().wait().unwrap();
-    // 4.0 as measured: two a pixel, and two that its tile looks at. Ten if each ray met all of its block's.
+    // Measured: 4.0 tests per pixel, two by the pixel's ray and two by its tile. It would be ten if each ray tested all
+    // primitives of its block.
     let tests = pair.statistics.right.primitive_tests as f64 / f64::from(64 * 48);
     assert!(tests < 4.5, "{tests}");
 }
@@ -382,7 +386,7 @@ fn ten_runs_give_the_same_pair() {
         let camera = builtin.camera(150, 97);
         for method in [Method::BRACKET, Method::VERIFIED, Method::Auto] {
             let mut render = || {
-                // Not counting, which traces one ray a lane.
+                // These runs don't count, since counting traces one ray per lane.
                 let mut pair = renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
                 pair.statistics.times = None;
                 pair

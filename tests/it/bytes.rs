@@ -1,5 +1,5 @@
-//! A guard for changes that may not change a picture: hashes of all that every method makes. `sh scripts/same_bytes.sh
-//! COMMIT` compares them with those of another commit, on the same machine.
+//! Guards changes that must not change a picture, by hashes of everything that each method makes. `sh
+//! scripts/same_bytes.sh COMMIT` compares them with the hashes of another commit, on the same machine.
 
 use std::{
     fmt::Write,
@@ -14,10 +14,11 @@ use stereotrace::{
 
 use crate::common::{random_stage, renderer};
 
-/// Names the file that the hashes are written to.
+/// Name of the environment variable for the file that the hashes are written to.
 const FILE: &str = "STEREOTRACE_BYTES";
 
-/// Scenes of triangles, of spheres, of both, with mirrors and glass, with textures, with masks, and of everything.
+/// Returns scenes of triangles, of spheres, of both, with mirrors and glass, with textures, with masks, and of
+/// everything.
 fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
     let builtin =
         |builtin: Builtin, [width, height]: [u32; 2]| (builtin.name(), builtin.scene(), builtin.camera(width, height));
@@ -33,7 +34,7 @@ fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
     ]
 }
 
-/// What pictures are made with, and whether all methods are tried.
+/// Returns options by name, and whether to try all methods with them.
 fn settings() -> Vec<(&'static str, Options, bool)> {
     let plain = || Options::default().linear(true).g_buffer(GBuffer::Ids);
     vec![
@@ -54,7 +55,7 @@ fn hash_of(what: impl Hash) -> u64 {
     hasher.finish()
 }
 
-/// A hash of each part of a pair, so that a difference says where it is.
+/// Returns a hash of each part of a pair, so that a difference shows in which part it is.
 fn text(pair: &StereoPair) -> String {
     let views = [&pair.left, &pair.right];
     let statistics = &pair.statistics;
@@ -105,7 +106,7 @@ fn every_method_makes_the_bytes_that_it_made() {
                 let made = renderer.pair(&uploaded, &camera).options(&options.clone().method(method)).read().wait();
                 let mut made = made.as_ref().map_or_else(|error| format!(" refused: {error}"), text);
                 if setting == "shadow-buffer" {
-                    // Which points share a lane decides how many rays are traced, and differs from run to run.
+                    // The number of traced rays depends on which points share a lane, and differs from run to run.
                     made.truncate(made.find(" counters").unwrap_or(made.len()));
                 }
                 writeln!(all, "{name} {setting} {method}{made}").unwrap();

@@ -1,4 +1,4 @@
-//! The edges of what f32 holds: cameras, scales of scenes, and the camera that fits any of them.
+//! Tests the limits of f32: cameras, scales of scenes, and the camera that fits any scene.
 
 use crate::common;
 
@@ -12,7 +12,7 @@ use stereotrace::{
     scene::{MAX_COORDINATE, MIN_EXTENT},
 };
 
-/// Ten to a random power.
+/// Returns ten to a random power.
 fn power(random: &mut Random, low: f32, high: f32) -> f32 {
     10_f32.powf(random.between(low, high))
 }
@@ -96,7 +96,7 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
         (camera().convergence(Convergence::ToeIn).interaxial(5e8), "interaxial is 500000000.0; it moves an eye"),
     ];
     for (camera, expected) in refused {
-        // Eyes are checked against the scene's origin when they are rendered.
+        // The eyes are checked against the scene's origin when a frame is rendered.
         let rendered = renderer.pair(&uploaded, &camera).read().wait();
         let message = camera.pose().err().or(rendered.err()).map(|error| error.to_string()).unwrap_or_default();
         assert!(message.contains(expected), "{message} should say: {expected}");
@@ -105,7 +105,7 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
         camera().screen_distance(distance).interaxial(0.0).pose().unwrap();
     }
     parallel().interaxial(0.0).pose().unwrap();
-    // What contradicts a screen at infinity does not contradict one that is set later.
+    // A setting that contradicts a screen at infinity does not contradict a screen that is set later.
     doffs(5.0).screen_distance(3.0).interaxial_pixels(5.0).pose().unwrap();
     doffs(5.0).screen_distance(3.0).convergence(Convergence::ToeIn).pose().unwrap();
     let later = doffs(5.0).vertical_fov_degrees(45.0).screen_distance(4.0).pose().unwrap();
@@ -129,7 +129,7 @@ fn doffs(doffs: f64) -> StereoCamera {
     calibrated(Intrinsics::new([92.307_692_307_692_3; 2], [50.0, 40.0]).right_cx(50.0 + doffs))
 }
 
-/// Pixels of the right view that differ in depth, primitive or colour.
+/// Returns the number of pixels of the right view that differ in depth, primitive or colour.
 fn differing(a: &StereoPair, b: &StereoPair) -> usize {
     let pixel = |pair: &StereoPair, index: usize| {
         (pair.right.depth[index], pair.right.primitive[index], pair.right.linear[index])
@@ -137,7 +137,7 @@ fn differing(a: &StereoPair, b: &StereoPair) -> usize {
     (0..a.right.depth.len()).filter(|&index| pixel(a, index) != pixel(b, index)).count()
 }
 
-/// A camera whose pixels in the corners span `angle` or so: by a narrow field of view, a wide one, or eyes far apart.
+/// Returns a camera whose corner pixels span about `angle`, by a narrow or wide field of view, or by eyes far apart.
 fn at_the_edge(
     random: &mut Random,
     scene: &Scene,
@@ -170,14 +170,14 @@ fn at_the_edge(
     }
 }
 
-/// The same eyes with a principal point so far aside that pixels in the corners span `angle` or so, or with eyes far or
-/// hardly apart, or in a picture of one pixel; as parallel cameras or before a screen.
+/// Returns the same eyes with a principal point so far aside that corner pixels span about `angle`. Some cameras have
+/// eyes far or hardly apart, or a picture of one pixel. They are parallel cameras or have a screen.
 fn calibrated_at_the_edge(random: &mut Random, camera: StereoCamera, angle: f32) -> StereoCamera {
     let Ok(pose) = camera.interaxial(0.0).pose() else { return camera };
     let size = if random.below(6) == 0 { [1, 1] } else { pose.size };
     let [w, h] = size.map(f64::from);
     let focal = 10_f64.powf(random.between(-0.5, 3.0).into());
-    // s / (1 + c²) = angle, in focal lengths.
+    // At a distance of c focal lengths from the centre, a pixel spans s / (1 + c²) = angle, where s = 1 / focal.
     let aside = (1.0 / (focal * f64::from(angle)) - 1.0).max(0.0).sqrt() * focal;
     let turn = f64::from(random.between(0.0, 6.3));
     let off = if random.below(3) == 0 { [0.0; 2] } else { [aside * turn.cos(), aside * turn.sin()] };
@@ -211,7 +211,7 @@ fn at_the_edges_of_the_ranges_parallel_and_calibrated_eyes_see_what_naive_shows(
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let all = [Method::Naive, Method::BRACKET_RAYS, Method::ATOMIC]
             .map(|method| renderer.pair(&uploaded, &camera).options(&Options::new(method).linear(true)).read().wait());
-        // Eyes that f32 does not hold.
+        // f32 can't represent these eyes.
         if let [Err(Error::Camera { .. }), ..] = all {
             continue;
         }
@@ -245,7 +245,7 @@ fn at_the_edges_of_the_ranges_bracket_rays_shows_what_naive_does() {
         let seed = random.below(1000) as u32;
         let scene = RandomScene { seed, triangles: 60, spheres: 10, scale, offset, ..RandomScene::default() }.build();
         let place = |point: Vec3| point * scale + Vec3::splat(offset);
-        // From just beyond the edge to four times as much.
+        // The angles are from just below the limit to four times the limit.
         let angle = MIN_PIXEL_ANGLE * 2_f32.powf(random.between(-0.2, 2.0));
         let camera = at_the_edge(&mut random, &scene, place, scale, angle);
         if camera.pose().is_err() {
@@ -267,7 +267,7 @@ fn at_the_edges_of_the_ranges_bracket_rays_shows_what_naive_does() {
     assert!(rendered > 500 && surfaces > 50_000, "{rendered} {surfaces}");
 }
 
-/// A random scene, a fine ball in it, and a light; all times a power of two.
+/// Returns a random scene, a fine ball in it, and a light, all scaled by `scale`, a power of two.
 fn scaled(seed: u32, radius: f32, target: Vec3, scale: f32) -> Scene {
     let source = RandomScene { seed, triangles: 60, spheres: 10, ..RandomScene::default() }.build();
     let mut scene = Scene::new();
@@ -314,7 +314,7 @@ fn scenes_of_the_least_and_the_largest_scale_look_as_at_scale_one() {
     }
 }
 
-/// Low and high corner of a random box of any scale and place that a scene may have: flat, a line or a point, too.
+/// Returns the low and high corner of a random box of any allowed scale and place. It may be flat, a line or a point.
 fn random_bounds(random: &mut Random) -> (Vec3, Vec3) {
     let size = power(random, -7.0, 8.5);
     let side = |random: &mut Random| match random.below(3) {
@@ -365,14 +365,14 @@ fn triangle(corners: [Vec3; 3]) -> Scene {
 #[test]
 fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
     let mut renderer = renderer();
-    // (Flat and at an angle, so that the fitting camera sees it from the front.)
+    // The triangle is flat and oblique, so that the fitting camera sees it from the front.
     let shape = [Vec3::new(-0.5, -0.5, 0.0), Vec3::new(0.5, -0.5, 0.0), Vec3::new(0.0, 0.5, 0.0)];
     for scale in [1.1 * MIN_EXTENT, 1e-3, 1.0, 1e6, 1.9 * MAX_COORDINATE] {
         let scene = triangle(shape.map(|corner| corner * scale));
         let seen = framed(&mut renderer, &scene).left.primitive.iter().filter(|&&primitive| primitive == 0).count();
         assert!(seen > 200, "{scale:e}: {seen}");
     }
-    // A few steps of f32 across: f32 does not hold the eyes, but relative to an origin that is nearer.
+    // This triangle is a few steps of f32 wide. f32 can represent the eyes only relative to an origin that is nearer.
     let far = triangle(shape.map(|corner| 8.0 * corner + Vec3::splat(5e7)));
     let uploaded = renderer.upload(&far).wait().unwrap();
     let camera = StereoCamera::fitting(far.bounds().unwrap(), 48, 48);
@@ -399,7 +399,7 @@ fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
             "{message}"
         );
     }
-    // Far from the origin its box is no step of f32 across, and the sphere is as good as any.
+    // Far from the origin, the sphere's box is narrower than a step of f32, and the sphere is rendered like any other.
     renderer.upload(&sphere(Vec3::splat(1e6), 1e-3)).wait().unwrap();
     let mut mixed = triangle(shape.map(|corner| corner * 1e-30));
     mixed.add_sphere(Sphere::new(Vec3::X, 0.1, MaterialId(0))).unwrap();

@@ -1,4 +1,4 @@
-//! Cameras beyond two eyes before one centred screen: parallel ones, calibrated ones, toed-in ones, and one eye alone.
+//! Tests other cameras than two eyes with a centred screen: parallel, calibrated and toed-in cameras, and single eyes.
 
 use crate::common;
 
@@ -12,8 +12,8 @@ use stereotrace::{
     testing::cpu::{Eye, Frame, adelson_hodges::sweep, reproject::reproject},
 };
 
-/// A built-in scene's camera as parallel cameras, and as calibrated ones: off-centre with flat pixels, before a screen,
-/// and with a principal point outside of the picture.
+/// Returns a built-in scene's camera as parallel cameras and as calibrated cameras. The calibrated cameras are
+/// off-centre with flat pixels, with a screen, and with a principal point outside the picture.
 fn kinds(camera: StereoCamera) -> [(&'static str, StereoCamera); 4] {
     let pose = camera.pose().unwrap();
     let [w, h] = pose.size.map(f64::from);
@@ -31,7 +31,7 @@ fn kinds(camera: StereoCamera) -> [(&'static str, StereoCamera); 4] {
     ]
 }
 
-/// What a pixel is compared by.
+/// Returns the values by which pixels are compared.
 fn pixels(view: &View) -> Vec<(u32, u32, [u32; 4], [u8; 4])> {
     let linear = |index: usize| view.linear.get(index).map_or([0; 4], |color| color.map(f32::to_bits));
     let pixel = |index: usize| {
@@ -47,7 +47,7 @@ fn assert_same(found: &View, expected: &View, exact: bool, what: &str) {
     assert!(other <= allowed, "{what}: {other} of {} pixels differ", expected.rgba8.len());
 }
 
-/// K [R | t] X, in f64 from the numbers that the camera was given.
+/// The projection K [R | t] X in f64, from the numbers given to the camera.
 struct Projection {
     k: DMat3,
     r: DMat3,
@@ -55,7 +55,7 @@ struct Projection {
 }
 
 impl Projection {
-    /// Of an eye that stands so far to the right of `eye`.
+    /// Makes the projection of an eye at a distance `aside` to the right of `eye`.
     fn new(eye: DVec3, target: DVec3, up: DVec3, aside: f64, [fx, fy]: [f64; 2], [cx, cy]: [f64; 2]) -> Self {
         let z = (target - eye).normalize();
         let x = z.cross(up).normalize();
@@ -81,7 +81,7 @@ fn points_are_projected_by_k_r_t_for_any_intrinsics() {
         let up = (point(&mut random, 1.0) + Vec3::splat(0.01)).normalize();
         let [w, h] = [1 + random.below(4000), 1 + random.below(3000)];
         let focal = [0, 1].map(|_| f64::from(10_f32.powf(random.between(0.5, 3.6))));
-        // As calibrations have them: numbers that f32 holds.
+        // As in calibrations, f32 can represent these numbers.
         let centre = [w, h].map(|side| f64::from(random.between(-1.0, 2.0) * side as f32));
         let doffs =
             if random.below(2) == 0 { 0.0 } else { f64::from((random.between(0.0, 100.0) * 64.0).round() / 64.0) };
@@ -102,7 +102,7 @@ fn points_are_projected_by_k_r_t_for_any_intrinsics() {
                 continue;
             }
             let found = pose.project(x, side).map(f64::from);
-            // The pose's axes are rounded to f32, which turns them by up to 1e-7, so a point f px from the centre moves
+            // The pose's axes are rounded to f32, which turns them by up to 1e-7. So a point f px from the centre moves
             // by that share.
             for (axis, found) in found.into_iter().enumerate() {
                 let reach = focal[axis.min(1)] + (expected[axis] - centre[axis.min(1)]).abs() + expected[axis].abs();
@@ -198,7 +198,7 @@ fn every_method_carries_over_what_its_twin_does() {
                 let pair = of(method);
                 let [reused, usual] = [&pair, &render(&scene, &builtin.camera(90, 60), method.parse().unwrap())]
                     .map(|pair| 1.0 - pair.statistics.retraced_share());
-                // What leaves the picture on one side is not carried over: through a screen it is less.
+                // Samples that leave the picture on one side are not reused. With a screen, fewer leave it.
                 assert!(reused > usual - 0.25, "{what}, {method}: {reused} of {usual}");
                 let colors = pair.right.rgba8.iter().zip(&naive.right.rgba8);
                 let alike = colors.filter(|(a, b)| a.iter().zip(*b).all(|(a, b)| a.abs_diff(*b) < 16)).count();
@@ -231,7 +231,7 @@ fn views_of_a_rig_and_those_that_stay_on_the_device_are_those_of_naive() {
             assert_same(&rays[index].view, &naive.view, exact, &format!("{kind}, view {index}"));
             assert!(!exact || bracket[index].view.depth == naive.view.depth, "{kind}, view {index}");
         }
-        // A pair is two of them, and one eye alone is one of them.
+        // A pair consists of two of the views, and a single eye is one of them.
         let pair =
             renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap();
         assert_same(&naive[0].view, &pair.right, exact, kind);
@@ -257,7 +257,7 @@ fn views_of_a_rig_and_those_that_stay_on_the_device_are_those_of_naive() {
     assert_eq!((mono.views.len(), mono.views[0].offset, mono.views[0].made_from), (1, 0.0, 0));
 }
 
-/// A point that a pixel's centre shows at a depth, and where an eye's pinhole has a point, by the intrinsics alone.
+/// Returns the point at depth `z` on the ray through a position of an eye's picture, from the intrinsics alone.
 fn seen_at(pose: &stereotrace::Pose, side: f64, [x, y]: [f64; 2], z: f64) -> DVec3 {
     let i = pose.intrinsics();
     let cx = if side < 0.0 { i.cx0 } else { i.cx1 };
@@ -363,7 +363,7 @@ fn a_pair_that_is_toed_in_is_two_eyes_alone_and_says_so() {
         let rig = Rig::at(camera, vec![offset]);
         let alone = renderer.views(&uploaded, &rig).options(&Options::default().linear(true)).read().wait().unwrap();
         assert_eq!(pixels(&alone.views[0].view), pixels(view));
-        // What each pixel shows is projected back to it.
+        // The point that each pixel shows is projected back to the pixel.
         let pose = pair.pose.of_eye(2.0 * offset);
         for index in (0..view.depth.len()).filter(|index| view.depth[*index].is_finite()) {
             let place = [index % 90, index / 90].map(|at| at as f64 + 0.5);
@@ -372,7 +372,7 @@ fn a_pair_that_is_toed_in_is_two_eyes_alone_and_says_so() {
             assert!((f64::from(x) - place[0]).abs() < 1e-3 && (f64::from(y) - place[1]).abs() < 1e-3);
         }
     }
-    // Rows are no epipolar lines: what goes by them is refused or not there.
+    // Rows are no epipolar lines, so functions that need them return an error or nothing.
     assert!(pair.disparity().is_empty() && pair.right_disparity().is_empty() && pair.occlusion().is_empty());
     let refused =
         |error: Error| assert!(matches!(&error, Error::Rig { reason, .. } if reason.contains("toed in")), "{error}");
@@ -383,7 +383,7 @@ fn a_pair_that_is_toed_in_is_two_eyes_alone_and_says_so() {
     refused(renderer.views(&uploaded, &Rig::pair(camera)).options(&default).rows(&mut |_| Ok(())).wait().unwrap_err());
     let mut encoder = renderer.gpu().device().create_command_encoder(&Default::default());
     refused(renderer.views(&uploaded, &Rig::pair(camera)).options(&default).encode(&mut encoder).wait().unwrap_err());
-    // All frames of several samples are there, too.
+    // Frames of several samples exist too.
     for options in [default.clone().samples(4), default.adaptive(Adaptive::new(2, 8.0))] {
         let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         assert_eq!((pair.right.rgba8.len(), pair.statistics.method), (90 * 60, Method::Naive));
@@ -413,7 +413,7 @@ fn vertical_parallax_is_what_points_have_and_none_without_toe_in() {
         assert!(most > 0.05 && most <= bound && bound < 1.5 * most, "{builtin}: {most} {bound}");
         let off_axis = camera.convergence(Convergence::OffAxis).pose().unwrap();
         assert_eq!(off_axis.comfort(near, far, 1.0).vertical_parallax_px, 0.0);
-        // Parallel axes meet nowhere.
+        // Parallel axes never meet.
         let parallel = kinds(builtin.camera(90, 60))[0].1.convergence(Convergence::ToeIn);
         assert!(parallel.pose().unwrap().comfort(near, far, 1.0).vertical_parallax_px < 1e-4);
     }

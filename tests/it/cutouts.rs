@@ -1,5 +1,5 @@
-//! Cut-outs: surfaces with holes, against a tracer in double precision, against the same surfaces made of triangles,
-//! and `Naive` of the same run.
+//! Tests cut-outs: surfaces with holes. They are compared with a tracer in double precision, with the same surfaces
+//! made of triangles, and with `Naive` of the same run.
 
 use crate::common;
 use crate::truth;
@@ -23,27 +23,27 @@ fn camera(width: u32, height: u32) -> StereoCamera {
         .interaxial_pixels(8.0)
 }
 
-/// A square of two units a side across the z axis, with texture coordinates of 0 to 1.
+/// Returns a square with a side of two units, across the z axis, with texture coordinates from 0 to 1.
 fn square(z: f32) -> Mesh {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, z));
     let uv = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
     Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).uv(vec![[uv[0], uv[1], uv[2]], [uv[0], uv[2], uv[3]]])
 }
 
-/// Bars of a fence, cells of a mask a side from the lower left: whether there is surface.
+/// Number of cells along a side of the fence's mask. Cells count from the lower left corner.
 const CELLS: u32 = 12;
 
 fn is_bar(column: u32, row: u32) -> bool {
     column.is_multiple_of(3) || row % 4 == 1
 }
 
-/// Of a square, as a mask.
+/// Returns the fence's mask for a square.
 fn fence_mask() -> Texture {
     let alpha = |index: u32| u8::from(is_bar(index % CELLS, CELLS - 1 - index / CELLS)) * 255;
     Texture::image(CELLS, CELLS, (0..CELLS * CELLS).map(|index| [0, 0, 0, alpha(index)]).collect()).unwrap()
 }
 
-/// The same as triangles of the cells that are there.
+/// Returns the same fence as triangles, two for each cell with a bar.
 fn fence_mesh(z: f32) -> Mesh {
     let cells = (0..CELLS * CELLS).map(|index| (index % CELLS, index / CELLS)).filter(|&(x, y)| is_bar(x, y));
     let corner = |x: u32, y: u32| Vec3::new(x as f32, y as f32, 0.0) * (2.0 / CELLS as f32) + Vec3::new(-1.0, -1.0, z);
@@ -55,7 +55,7 @@ fn fence_mesh(z: f32) -> Mesh {
     Mesh::new(positions, triangles)
 }
 
-/// A fence before a wall, under two lights, with a mirror beside it: cut out, or made of triangles.
+/// Returns a fence before a wall, under two lights, with a mirror beside it. The fence is cut out or made of triangles.
 fn fence(cut_out: bool) -> Scene {
     let mut scene = Scene::new();
     let mask = scene.add_texture(fence_mask());
@@ -77,7 +77,8 @@ fn fence(cut_out: bool) -> Scene {
     scene
 }
 
-/// Pixels of two views whose colours are more than a level apart or whose depths are more than 1e-4 of themselves.
+/// Returns the number of pixels whose colours differ by more than one level, or whose depths differ by more than 1e-4
+/// of the depth.
 fn apart(a: &stereotrace::View, b: &stereotrace::View) -> usize {
     let colors = a.rgba8.iter().zip(&b.rgba8).map(|(a, b)| (0..3).any(|channel| a[channel].abs_diff(b[channel]) > 1));
     let depths = a.depth.iter().zip(&b.depth).map(|(a, b)| a != b && ((a - b).abs() > 1e-4 * b || a.is_infinite()));
@@ -109,7 +110,7 @@ fn both_eyes_see_what_a_tracer_in_double_precision_sees() {
                 behind_holes += usize::from(seen.primitive != without_holes[index].primitive);
             }
             println!("{seed} {eye:?}: {other} other hits, {unlike} other colours, {behind_holes} behind holes");
-            // None and two as measured: rays that pass an edge within rounding.
+            // Measured: no other hit and two other colours, for rays that pass an edge within rounding.
             assert!(other <= 2 && unlike <= 6, "{seed} {eye:?}: {other} other hits, {unlike} other colours");
             assert!(behind_holes > 1000, "{seed} {eye:?}: {behind_holes} of {}", view.depth.len());
         }
@@ -128,7 +129,7 @@ fn a_fence_of_a_mask_is_the_fence_of_triangles() {
     for (masked, real) in masked.iter().zip(&real) {
         let [left, right] = [apart(&masked.left, &real.left), apart(&masked.right, &real.right)];
         println!("{}: {left} and {right} apart", masked.statistics.method);
-        // None as measured: rays that pass an edge within rounding.
+        // Measured: none. Rays that pass an edge within rounding may differ.
         assert!(left <= 2 && right <= 2, "{left} and {right} of {} apart", real.left.depth.len());
     }
     let holes = apart(&masked[0].left, &whole[0].left);
@@ -137,7 +138,7 @@ fn a_fence_of_a_mask_is_the_fence_of_triangles() {
 
 #[test]
 fn light_falls_through_holes_alone() {
-    // A light straight above a square, and the floor as far below it: the shadow is the mask, twice as large.
+    // A light is straight above a square, and the floor is as far below it. The shadow is the mask, twice as large.
     let mut scene = Scene::new();
     let mask = scene.add_texture(fence_mask());
     let material = scene.add_material(Material::new(Vec3::ONE).cutout(mask));
@@ -158,7 +159,7 @@ fn light_falls_through_holes_alone() {
             for index in (0..view.depth.len()).filter(|&index| view.object[index] == 1) {
                 let direction = frame.direction(eye, index % 140, index / 140);
                 let point = frame.eye(eye) + direction * view.depth[index];
-                // In cells of the mask.
+                // This is the position in cells of the mask.
                 let at = Vec2::new(0.5 * point.x + 1.0, 1.0 - 0.5 * point.z) * 0.5 * CELLS as f32;
                 if (at - at.round()).abs().min_element() < 1e-3 {
                     continue;
@@ -200,7 +201,7 @@ fn a_mirror_with_holes_shows_what_is_behind_them_and_elsewhere_what_it_mirrors()
                 wrong += usize::from(Vec3::new(color[0], color[1], color[2]) != expected);
             }
         }
-        // What atomic carries over may lie half a pixel beside an edge of a hole.
+        // Samples that atomic reuses may lie half a pixel beside an edge of a hole.
         let allowed = if method == Method::ATOMIC { mirrored / 4 } else { 2 };
         assert!(wrong <= allowed && mirrored > 1000, "{method}: {wrong} wrong, {mirrored} mirrored");
     }
@@ -234,7 +235,7 @@ fn every_traversal_and_bracket_see_what_naive_sees() {
     }
 }
 
-/// Bounds are what was measured of the worst scene, with half as many pixels again.
+/// Bounds are the measured values of the worst scene, plus half as many pixels.
 #[test]
 fn bracket_shows_no_wrong_surface_and_other_methods_few() {
     let camera = camera(93, 62);
@@ -262,7 +263,7 @@ fn rays_of_a_list_pass_holes_as_by_brute_force() {
     let scene = random_foliage(6, true);
     let mut random = Random::new(9);
     let rays = (0..3001).map(|index| {
-        // Where a lane has four rays, some have one origin and some have not.
+        // Some lanes with four rays have one origin, others have several.
         let origin = if index % 16 < 8 { 3.0 * Vec3::Z } else { random.point(2.0) };
         Ray::new(origin, random.point(1.0) - 0.4 * origin)
             .t_min(random.between(0.0, 0.3))
@@ -292,7 +293,7 @@ fn a_copy_behind_holes_is_seen_through_them() {
     let front = scene.add_material(Material::new(Vec3::X).cutout(mask));
     let back = scene.add_material(Material::new(Vec3::Y));
     let shifted = vec![[Vec2::ZERO, 3.0 * Vec2::X, 3.0 * Vec2::ONE], [Vec2::ZERO, 3.0 * Vec2::ONE, 3.0 * Vec2::Y]];
-    // The same corners each time: cut out, cut out elsewhere, whole, and copies of all of them.
+    // The same corners occur several times: cut out, cut out elsewhere, whole, and copies of all of them.
     for _ in 0..2 {
         scene.add_mesh(&square(0.0).materials(vec![front])).unwrap();
         scene.add_mesh(&square(0.0).uv(shifted.clone()).materials(vec![front])).unwrap();

@@ -1,4 +1,4 @@
-//! Random places of a data set: whether they are free.
+//! Tests that random cameras of a data set are in free space.
 
 use crate::common;
 
@@ -10,7 +10,7 @@ use stereotrace::{
     glam::{DVec3, Vec3, vec3},
 };
 
-/// The faces of a box, seen from outside, or from inside.
+/// Returns the faces of a box, to be seen from outside or from inside.
 fn block(low: Vec3, high: Vec3, inward: bool) -> Mesh {
     let corner = |index: usize| {
         Vec3::from_array(std::array::from_fn(|axis| if index >> axis & 1 == 0 { low[axis] } else { high[axis] }))
@@ -21,7 +21,7 @@ fn block(low: Vec3, high: Vec3, inward: bool) -> Mesh {
     Mesh::new((0..8).map(corner).collect(), turned.collect())
 }
 
-/// A room of 10 x 4 x 10 with a solid block of 4 x 4 x 4 in it.
+/// Returns a room of 10 x 4 x 10 with a solid block of 4 x 4 x 4 in it.
 fn room(walls_face_inward: bool) -> Scene {
     let mut scene = Scene::new();
     let grey = scene.add_material(Material::new(Vec3::splat(0.5)));
@@ -41,7 +41,7 @@ fn camera() -> StereoCamera {
 #[test]
 fn places_in_a_room_are_neither_in_a_wall_nor_in_what_stands_there() {
     let renderer = renderer();
-    // Walls that face inward, and walls of which only the given camera tells that their back sides are to be seen.
+    // The walls face inward, or they face outward and only the given camera shows that their back sides are to be seen.
     for walls_face_inward in [true, false] {
         let scene = room(walls_face_inward);
         let uploaded = renderer.upload(&scene).wait().unwrap();
@@ -50,7 +50,7 @@ fn places_in_a_room_are_neither_in_a_wall_nor_in_what_stands_there() {
         for item in 0..60 {
             let found = poses.find(&renderer, &uploaded, item).wait().unwrap();
             let eye = found.camera.pose().unwrap().eye.as_vec3();
-            // By 128 directions a corner may be a little nearer than what they meet.
+            // The clearance is tested in 128 directions, so a corner may be a little nearer than the hits.
             let near = 0.25;
             let in_room = eye.cmpge(vec3(-5.0, 0.0, -5.0) + near).all() && eye.cmple(vec3(5.0, 4.0, 5.0) - near).all();
             let in_block = eye.x.abs() < 2.0 + near && eye.z.abs() < 2.0 + near;

@@ -1,5 +1,5 @@
-//! Disparity and occlusion against what shares no code with them: pinholes in double precision, ids, and rays between
-//! the eyes.
+//! Tests disparity and occlusion against code that shares nothing with them: pinholes in double precision, ids, and
+//! rays between the eyes.
 
 use crate::common;
 
@@ -18,10 +18,10 @@ fn render(builtin: Builtin) -> StereoPair {
     common::render(&builtin.scene(), &builtin.camera(width, height), Method::BRACKET_RAYS)
 }
 
-/// A pinhole camera behind the pair's screen, from the numbers of [`Pose`] alone.
+/// A pinhole camera with the pair's screen, from the numbers of [`Pose`] alone.
 struct Pinhole<'a> {
     pose: &'a Pose,
-    /// -1 left, 1 right.
+    /// -1 for the left eye, 1 for the right eye.
     side: f64,
 }
 
@@ -30,7 +30,7 @@ impl Pinhole<'_> {
         self.pose.eye + self.pose.right.as_dvec3() * (0.5 * self.side * f64::from(self.pose.interaxial))
     }
 
-    /// The point that a pixel's centre shows at a depth.
+    /// Returns the point at depth `z` that a pixel's centre shows.
     fn point(&self, column: usize, row: usize, z: f64) -> DVec3 {
         let pose = self.pose;
         let [w, h] = pose.size.map(f64::from);
@@ -44,7 +44,7 @@ impl Pinhole<'_> {
         self.eye() + (on_screen - self.eye()) * (z / d)
     }
 
-    /// The column, in pixels from the left edge, at which a point is seen.
+    /// Returns the column, in pixels from the left edge, in which a point is seen.
     fn column(&self, point: DVec3) -> f64 {
         let pose = self.pose;
         let to = point - self.eye();
@@ -65,7 +65,7 @@ fn a_point_moves_by_its_disparity_from_eye_to_eye() {
             assert_eq!(disparity.len(), SIZE[0] * SIZE[1]);
             for (index, (&d, &z)) in disparity.iter().zip(&view.depth).enumerate() {
                 if z.is_infinite() {
-                    // Both eyes see it in one direction.
+                    // Both eyes see the sky in the same direction.
                     assert_eq!(d, -pair.pose.interaxial_px, "{builtin}: sky");
                     continue;
                 }
@@ -74,7 +74,7 @@ fn a_point_moves_by_its_disparity_from_eye_to_eye() {
                 worst = worst.max((f64::from(d) - moved).abs());
             }
         }
-        // Measured 2.7e-6 where disparities are largest (Near), else below 7e-7.
+        // Measured 2.7e-6 for Near, whose disparities are largest, and below 7e-7 for the others.
         assert!(worst < 1e-5, "{builtin}: {worst:e}");
     }
 }
@@ -89,7 +89,7 @@ fn what_is_before_the_screen_is_above_0_and_what_is_behind_it_below() {
     assert!(behind.len() > 1000 && behind.iter().all(|(_, d)| *d < 0.0));
 }
 
-/// What of the left view a list of rays from the right eye does not reach.
+/// Returns the pixels of the left view that rays from the right eye do not reach.
 fn hidden_by_rays(pair: &StereoPair, builtin: Builtin) -> Vec<bool> {
     let renderer = renderer();
     let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
@@ -108,8 +108,8 @@ fn hidden_by_rays(pair: &StereoPair, builtin: Builtin) -> Vec<bool> {
 
 #[test]
 fn occlusion_is_what_rays_from_the_right_eye_say_but_at_silhouettes() {
-    // In percent of all pixels, measured on llvmpipe: hidden by rays; wrongly taken for hidden; wrongly for seen. The
-    // bounds are 1.5 times the latter two, and a tenth of a percent.
+    // Percentages of all pixels, measured on llvmpipe: hidden by rays, wrongly taken as hidden, wrongly taken as
+    // visible. The bounds are 1.5 times the latter two, plus 0.1.
     let measured = [
         (Builtin::Spheres, 11.10, 0.50, 0.47),
         (Builtin::Hall, 6.67, 0.23, 0.35),
@@ -125,7 +125,7 @@ fn occlusion_is_what_rays_from_the_right_eye_say_but_at_silhouettes() {
         for ((found, by_ray), (index, d)) in
             occlusion.iter().zip(hidden_by_rays(&pair, builtin)).zip(pair.disparity().into_iter().enumerate())
         {
-            // By d's own rounding a point on the very edge may be on either side.
+            // Because d is rounded, a point on the picture's edge may be on either side.
             let x = (index % SIZE[0]) as f32 + 0.5 - d;
             let (edge, inside) = (x.abs().min((x - SIZE[0] as f32).abs()) < 1e-4, x > 0.0 && x < SIZE[0] as f32);
             assert!(edge || inside == (*found != Occlusion::OutOfFrame), "{builtin} {index}: {x}");
@@ -160,13 +160,13 @@ fn what_both_eyes_see_is_one_object_in_both_views() {
             count[kind] += 1;
         }
         let shares = [0, 1].map(|kind| 100.0 * f64::from(same[kind]) / f64::from(same[kind] + other[kind]));
-        // Measured 98.5 to 99.7 and 0.6 to 1.6: at silhouettes the nearest pixel shows the other side.
+        // Measured 98.5 to 99.7 and 0.6 to 1.6. At silhouettes the nearest pixel shows the other side.
         assert!(shares[0] > 97.5 && shares[1] < 3.0, "{builtin}: {shares:?}");
     }
 }
 
-/// By pinholes and a loop over all primitives in double precision, and the other eye's own ray to each point that it is
-/// said to see.
+/// Compares with pinholes, a loop over all primitives in double precision, and the other eye's own ray to each point
+/// that it should see.
 #[test]
 fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_one_point() {
     for builtin in [Builtin::Spheres, Builtin::Fence, Builtin::Hidden, Builtin::Grazing] {
@@ -188,7 +188,7 @@ fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_on
                 let direction = eye.point(column, row, 1.0) - eye.eye();
                 let z = nearest(&scene, eye.eye(), direction);
                 let is_sky = z.is_infinite();
-                // A ray that passes an edge within rounding, as some of the fence's do, shows what is beside it.
+                // A ray that passes an edge within rounding, as some do at the fence, shows the surface beside it.
                 if !is_sky && (z / f64::from(view.depth[index]) - 1.0).abs() > 1e-4
                     || is_sky == view.depth[index].is_finite()
                 {
@@ -209,7 +209,7 @@ fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_on
                 hidden += usize::from(truth == Occlusion::Hidden);
                 other += usize::from(truth != *found);
                 if *found == Occlusion::Visible && truth == Occlusion::Visible && !is_sky {
-                    // What the other eye's ray meets stands where the disparity says, to 0.01 px.
+                    // The hit of the other eye's ray is where the disparity says, to 0.01 px.
                     let met = other_eye.eye() + towards * t;
                     assert!((eye.column(met) - (column as f64 + 0.5)).abs() < 0.01, "{builtin} {column} {row}");
                 }

@@ -1,4 +1,4 @@
-//! Ellipsoids against double precision, against spheres, and by every method against `Naive`.
+//! Tests ellipsoids against double precision, against spheres, and each method against `Naive`.
 
 use crate::common;
 use crate::truth;
@@ -17,7 +17,7 @@ fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.3, 0.4, 3.0), Vec3::ZERO).screen_distance(3.0).size(93, 62).interaxial_pixels(7.0)
 }
 
-/// A floor, two lights, and what stands there.
+/// Returns a floor, two lights, and the given ellipsoids.
 fn stage(ellipsoids: &[Ellipsoid]) -> Scene {
     let mut scene = Scene::new();
     let red = scene.add_material(Material::new(Vec3::new(0.7, 0.2, 0.1)));
@@ -60,7 +60,7 @@ fn of_equal_axes_they_are_spheres_to_the_last_bit() {
         for (index, sphere) in spheres.spheres().iter().enumerate() {
             let one = Ellipsoid::aligned(sphere.center, Vec3::splat(sphere.radius), sphere.material);
             round.add_ellipsoid(one).unwrap();
-            // Spheres among ellipsoids, in the order of the others' ids.
+            // Some primitives are spheres, in an order that keeps the ids of the ellipsoids.
             if index < 20 { some.add_sphere(*sphere).unwrap() } else { some.add_ellipsoid(one).unwrap() }
         }
         let place = |v: Vec3| v * scale + Vec3::splat(offset);
@@ -85,8 +85,8 @@ fn of_equal_axes_they_are_spheres_to_the_last_bit() {
     }
 }
 
-/// Scenes in which the search for a tile's primitives might go wrong: shapes of all kinds, discs and needles, grains of
-/// half a pixel, ellipsoids about the eyes and through their plane.
+/// Returns scenes that are hard for the search for a tile's primitives. They have shapes of all kinds, discs and
+/// needles, grains of half a pixel, and ellipsoids around the eyes and through their plane.
 fn scenes() -> Vec<(String, Scene, StereoCamera)> {
     let mut scenes = Vec::new();
     for seed in 0..3 {
@@ -124,7 +124,7 @@ fn visibility_is_naive_s_by_every_traversal() {
     for (number, traversal) in traversals().into_iter().enumerate() {
         let mut renderer = renderer_by(traversal);
         let exact = is_exact(&renderer);
-        // All scenes as the adapter traces them, some by the other ways.
+        // The adapter's own traversal renders all scenes, the other traversals some of them.
         let some = scenes.iter().enumerate().filter(|(index, _)| number == 0 || index % 4 == number % 4);
         for (_, (name, scene, camera)) in some {
             let uploaded = renderer.upload(scene).wait().unwrap();
@@ -143,7 +143,7 @@ fn visibility_is_naive_s_by_every_traversal() {
     }
 }
 
-/// The search is not only right but narrow: its bounds are those of the projection.
+/// The search must not only be correct but narrow: its bounds are the bounds of the projection.
 #[test]
 fn a_tile_s_pixels_meet_only_what_their_centres_lie_in_the_bounds_of() {
     let mut scene = Scene::new();
@@ -158,11 +158,11 @@ fn a_tile_s_pixels_meet_only_what_their_centres_lie_in_the_bounds_of() {
         renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET).count(true)).read().wait().unwrap();
     let tests = pair.statistics.right.primitive_tests as f64 / 16384.0;
     println!("{tests} tests a pixel");
-    // Measured 0.55: a ray where there is an ellipsoid, and what tiles look at.
+    // Measured 0.55: a ray's test where there is an ellipsoid, and the tests of tiles.
     assert!(tests < 0.6, "{tests}");
 }
 
-/// The largest error of t, relative to it and to the slope, over rays to points of an ellipsoid from around it.
+/// Returns the largest error of t, relative to t and to the slope, over rays to points of an ellipsoid from around it.
 fn worst_t(one: &Ellipsoid, aspect: f32, origins: &[Vec3], random: &mut Random) -> (f64, usize) {
     let mut scene = Scene::new();
     scene.add_ellipsoid(*one).unwrap();
@@ -175,8 +175,8 @@ fn worst_t(one: &Ellipsoid, aspect: f32, origins: &[Vec3], random: &mut Random) 
             rays.push(Ray::new(origin, point - origin));
         }
     }
-    // What some hundredths of the size more or less decide, rounding may: of one ten thousand times as long as it is
-    // thick, a tenth.
+    // Rounding may decide hits that a change of the size by a hundredth decides. For an ellipsoid that is ten thousand
+    // times as long as thick, it is a tenth.
     let margin = if aspect > 1000.0 { 0.1 } else { 0.01 };
     let [truth, less, more] = [1.0, 1.0 - margin, 1.0 + margin].map(|scale| {
         let mut scene = Scene::new();
@@ -209,7 +209,7 @@ fn flat_and_thin_ones_are_met_where_they_are_from_near_and_far() {
             };
             let one = Ellipsoid::new(random.point(2.0), turn * Mat3::from_diagonal(radii), MaterialId(0));
             for (place, away) in [0.02, 2.0, 100.0].into_iter().enumerate() {
-                // From beside points of the surface, which are so far off, and from inside where there is room.
+                // Origins are beside points of the surface, at this distance, and inside if there is room.
                 let normal = |v: Vec3| (one.axes.inverse().transpose() * v).normalize();
                 let origins: Vec<Vec3> = (0..6)
                     .map(|_| {
@@ -226,8 +226,8 @@ fn flat_and_thin_ones_are_met_where_they_are_from_near_and_far() {
     }
 }
 
-/// How many of the pixels that show an ellipsoid all around are dark, in the light of one lamp: shadow acne where it
-/// stands beside the eye.
+/// Returns how many pixels are dark and how many show the ellipsoid, in the light of one lamp. A dark pixel is shadow
+/// acne if the lamp is beside the eye. Only pixels whose neighbours show the ellipsoid count.
 fn dark(one: Ellipsoid, camera: &StereoCamera, lamp: Vec3) -> (usize, usize) {
     let mut scene = Scene::new();
     scene.add_ellipsoid(one).unwrap();
@@ -259,8 +259,8 @@ fn no_ellipsoid_shadows_what_faces_the_light() {
     }
 }
 
-/// The world's origin is on the surface, half way from a flat disc's middle to its rim: all that is known of the point
-/// is in products that cancel.
+/// The world's origin is on the surface, half way from the middle of a flat disc to its rim. The point's position is
+/// then given only by products that cancel.
 #[test]
 fn a_tilted_disc_whose_centre_is_far_does_not_shadow_itself() {
     let mut faults = Vec::new();
@@ -271,7 +271,8 @@ fn a_tilted_disc_whose_centre_is_far_does_not_shadow_itself() {
             let point = Vec3::new(0.4, 0.3_f32.sqrt(), 0.54_f32.sqrt());
             let one = Ellipsoid::new(-(axes * point), axes, MaterialId(0));
             let normal = (axes.inverse().transpose() * point).normalize();
-            // In lengths of its thickness, which is where f32 begins to be enough for spheres, and in its radius.
+            // Heights are multiples of the disc's thickness, at which f32 begins to be precise enough for spheres, and
+            // of its radius.
             for height in [0.3, 1.0, 3.0, 10.0].map(|lengths| lengths / aspect).into_iter().chain([0.03, 0.1, 0.3]) {
                 let eye = normal * (height * radius);
                 let camera = StereoCamera::look_at(eye, Vec3::ZERO).up(axes.x_axis).vertical_fov_degrees(30.0);
@@ -310,7 +311,7 @@ fn changed_ellipsoids_look_as_uploaded_anew() {
             scene.set_ellipsoid(first + 2, near).unwrap();
             scene.set_ellipsoid(first + 3, near).unwrap();
         },
-        // To a large ground below the eyes, so that kernels look again.
+        // The change is to a large ground below the eyes, so that kernels test it again.
         |scene, first| {
             let ground = Ellipsoid::aligned(Vec3::new(0.0, -1001.0, 0.0), Vec3::new(9e5, 1e3, 9e5), MaterialId(0));
             scene.set_ellipsoid(first + 4, ground).unwrap();

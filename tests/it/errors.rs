@@ -1,4 +1,4 @@
-//! Which kind of error each fault is, and what is beneath it.
+//! Tests the kind of error for each fault, and its source.
 use crate::common;
 
 use std::{
@@ -15,7 +15,7 @@ use stereotrace::{
     output::{Picture, save_ids_pfm, save_pfm},
 };
 
-/// The error of a result, whose message must begin with its file and end with what its source says.
+/// Returns the error of a result. Its message must begin with the file and end with the text of its source.
 #[track_caller]
 fn refused<T>(file: &std::path::Path, result: Result<T, Error>) -> Error {
     let Err(error) = result else { panic!("{}: not refused", file.display()) };
@@ -41,7 +41,7 @@ fn what_the_system_or_the_kind_of_a_file_forbids_is_an_io_error_with_its_path() 
     let error = refused(&inner, Scene::from_obj(&inner));
     assert_eq!(io_kind(&error), Some(ErrorKind::IsADirectory));
     assert!(error.source().is_some_and(|source| source.is::<io::Error>()));
-    // What makes no file of its kind, and leaves none.
+    // Content that the file's format can't hold gives an error and leaves no file.
     let path = folder.file("out");
     let no_pixels = Picture::new(0, 0, Vec::new()).save_png(&path);
     for result in [save_pfm(&path, 2, 2, &[1.0]), save_ids_pfm(&path, 1, 1, &[1 << 25]), no_pixels] {

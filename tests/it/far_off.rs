@@ -1,4 +1,4 @@
-//! Scenes far from the origin: f32 rounds their coordinates, and from some distance on pictures show it.
+//! Scenes far from the origin: f32 rounds their coordinates, which shows in pictures from some distance on.
 
 use crate::common;
 
@@ -11,7 +11,7 @@ use stereotrace::{
     glam::{BVec3, DMat4, DVec3, Quat, Vec3},
 };
 
-/// Two boxes and a ball on a floor of one unit, under three lights, all of it moved.
+/// Returns two boxes and a ball on a floor of one unit, under three lights, all moved by an offset.
 fn still_life(by: Vec3) -> Scene {
     let mut scene = Scene::new();
     let corner = |x: f32, z: f32| by + Vec3::new(x, 0.0, z);
@@ -34,8 +34,8 @@ fn still_life(by: Vec3) -> Scene {
 
 const DIRECTION: Vec3 = Vec3::new(1.0, 0.37, -0.71);
 
-/// Pixels without their like, within 8 levels, among the nine about them in the other view: those that only moved a
-/// little with their edge have one.
+/// Returns the number of pixels without a similar pixel, within 8 levels, among the nine around them in the other view.
+/// Pixels that only moved a little with their edge have one.
 fn broken(view: &View, other: &View, width: i32, height: i32) -> usize {
     let pixel = |view: &View, row: i32, column: i32| view.rgba8[(row * width + column) as usize];
     let alike = |a: [u8; 4], b: [u8; 4]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 8);
@@ -88,7 +88,7 @@ fn what_is_farther_off_is_warned_of_once_a_renderer_with_the_remedy() {
     assert_eq!(warnings(), expected);
 }
 
-/// Places on earth that scene files have: none, a city in a national grid, UTM, and the limit that is promised.
+/// Places on earth that scene files have: none, a city in a national grid, UTM, and the documented limit.
 const PLACES: [DVec3; 4] = [
     DVec3::ZERO,
     DVec3::new(45_123.0, 0.0, 12_456.0),
@@ -96,12 +96,12 @@ const PLACES: [DVec3; 4] = [
     DVec3::new(1e7, 0.0, -1e7),
 ];
 
-/// A mesh of triangles in double precision, as a file has it.
+/// A mesh of triangles in double precision, as a file stores it.
 struct Model {
     name: &'static str,
     positions: Vec<DVec3>,
     triangles: Vec<[usize; 3]>,
-    /// Midpoint between the eyes, and the point they look at.
+    /// Midpoint between the eyes, and the point that they look at.
     view: [DVec3; 2],
     baseline: f32,
 }
@@ -121,7 +121,7 @@ impl Model {
         );
     }
 
-    /// Houses on both sides of a road of 240 metres, seen from a car.
+    /// Returns houses on both sides of a road of 240 metres, seen from a car.
     fn street() -> Self {
         let mut model = Self::new("street", [DVec3::new(0.3, 1.65, 110.0), DVec3::new(0.0, 1.2, 60.0)], 0.54);
         model.add_box(DVec3::new(-40.0, -0.5, -120.0), DVec3::new(40.0, 0.0, 120.0));
@@ -138,7 +138,7 @@ impl Model {
         model
     }
 
-    /// Crossed squares on a ground of 60 metres.
+    /// Returns crossed squares on a ground of 60 metres.
     fn forest() -> Self {
         let mut model = Self::new("forest", [DVec3::new(0.0, 1.7, 26.0), DVec3::new(0.0, 1.5, 0.0)], 0.12);
         model.add_box(DVec3::new(-30.0, -1.0, -30.0), DVec3::new(30.0, 0.0, 30.0));
@@ -156,7 +156,7 @@ impl Model {
         model
     }
 
-    /// Stanford's, of some 0.15 units, where it is found.
+    /// Returns Stanford's bunny, of some 0.15 units, if its file is found.
     fn bunny() -> Option<Self> {
         let folder = std::env::var("STEREOTRACE_SCENES").unwrap_or_else(|_| "target/scenes".into());
         let Ok(text) = std::fs::read_to_string(format!("{folder}/bunny/bunny.obj")) else {
@@ -182,7 +182,7 @@ impl Model {
         Some(model)
     }
 
-    /// Where its vertices are in a file that has them at a place, by the digits that are written.
+    /// Returns the text of a file with the mesh at a place, and its vertices by the digits that are written.
     fn text(&self, place: DVec3) -> (String, Vec<DVec3>) {
         let mut text = String::new();
         let mut read = Vec::new();
@@ -198,7 +198,7 @@ impl Model {
     }
 }
 
-/// A number of a camera file, and a matrix of one, row by row.
+/// Returns a number of a camera file. `matrix` returns a matrix, by rows.
 fn number(file: &Value, eye: &str, name: &str) -> f64 {
     file[eye][name].as_f64().unwrap()
 }
@@ -208,8 +208,9 @@ fn matrix(file: &Value, eye: &str, name: &str) -> DMat4 {
     DMat4::from_cols_slice(&rows.concat()).transpose()
 }
 
-/// Largest errors of both views' disparities and rows, in pixels, against double precision from the scene file's digits
-/// and the camera file alone; and how many pixels show a triangle that their ray misses by over a hundredth of a pixel.
+/// Returns the largest errors of both views' disparities and rows in pixels. They are relative to double precision,
+/// from the digits of the scene file and the camera file alone. The third value is the number of pixels that show a
+/// triangle which their ray misses by over 0.01 pixels.
 fn errors(model: &Model, positions: &[DVec3], truth: &GroundTruth) -> (f64, f64, usize) {
     let file: Value = serde_json::from_str(&truth.pose.to_json()).unwrap();
     let left = errors_of(model, positions, (&file, "left", "right"), &truth.left);
@@ -237,7 +238,7 @@ fn errors_of(
         let normal = (b - a).cross(c - a);
         let z = normal.dot(a) / normal.dot(direction);
         let point = direction * z;
-        // By how far it is outside of the farthest edge, in pixels.
+        // This is the distance of the ray from the farthest edge, in pixels.
         let outside =
             [(a, b), (b, c), (c, a)].map(|(p, q)| -normal.normalize().dot((q - p).normalize().cross(point - p)));
         missed += usize::from(outside.into_iter().fold(0.0, f64::max) * fx / z > 0.01);
@@ -249,7 +250,8 @@ fn errors_of(
     (of_disparity, of_row, missed)
 }
 
-/// The same scene in a file at each place: pictures are one, and disparities those of the files in double precision.
+/// Tests the same scene in a file at each place. The pictures are equal, and the disparities equal the ones computed
+/// from the files in double precision.
 #[test]
 fn scene_files_far_from_the_origin_lose_nothing() {
     let folder = Folder::new("far_off");
@@ -287,13 +289,13 @@ fn scene_files_far_from_the_origin_lose_nothing() {
     }
 }
 
-/// Eyes that f32 rounds by 2 mm, since the scene keeps the world's origin: what is written is the rounded eyes.
+/// f32 rounds these eyes by 2 mm, since the scene keeps the world's origin. The files must have the rounded eyes.
 #[test]
 fn disparities_are_those_of_the_eyes_that_were_rendered() {
     let folder = Folder::new("far_off_rounded");
     let place = DVec3::new(45_120.0, 0.0, 12_480.0);
     let mut model = Model::street();
-    // Vertices that f32 holds, so that eyes alone round.
+    // f32 can represent these vertices exactly, so that only the eyes are rounded.
     model.positions.iter_mut().for_each(|position| *position = (*position * 64.0).round() / 64.0);
     let (text, positions) = model.text(place);
     let path = folder.write("scene.obj", text);

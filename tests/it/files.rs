@@ -1,4 +1,4 @@
-//! Files that ask for much: more memory than they are worth, or a wait without end.
+//! Tests files that would take much more memory than their size, or make a reader wait for ever.
 #![cfg(target_os = "linux")]
 
 use std::{
@@ -10,7 +10,8 @@ use std::{
 
 use stereotrace::{Error, Limits, Scene, blocking::Wait};
 
-/// A folder of one test, gone when the test is over. Tests of this file run one at a time, since they measure memory.
+/// A folder for one test, removed when the test is over. Tests of this file run one at a time, since they measure
+/// memory.
 struct Folder(PathBuf, #[expect(dead_code, reason = "held, not read")] MutexGuard<'static, ()>);
 
 impl Folder {
@@ -38,14 +39,14 @@ impl Drop for Folder {
     }
 }
 
-/// By how many MiB the process grew at most while `work` ran.
+/// Returns the largest growth of the process's memory while `work` ran, in MiB.
 fn peak_growth(work: impl FnOnce()) -> u64 {
     let status = |field: &str| -> u64 {
         let status = fs::read_to_string("/proc/self/status").unwrap();
         let line = status.lines().find(|line| line.starts_with(field)).unwrap();
         line.split_whitespace().nth(1).unwrap().parse().unwrap()
     };
-    fs::write("/proc/self/clear_refs", "5").unwrap(); // the peak becomes what is in use
+    fs::write("/proc/self/clear_refs", "5").unwrap(); // resets the peak to the current memory
     let before = status("VmRSS:");
     work();
     (status("VmHWM:") - before) / 1024
@@ -59,7 +60,7 @@ fn a_long_name_over_many_changes_of_normals_takes_no_memory_of_its_own() {
     let faces = "f 1 2 3\nf 1//1 2//1 3//1\n".repeat(4000);
     let obj = folder.write("scene.obj", format!("o {}\n{TRIANGLE}{faces}", "n".repeat(100_000)));
     let mib = peak_growth(|| assert_eq!(Scene::from_obj(obj).unwrap().primitive_count(), 8000));
-    // Measured 6 MiB; 769 MiB where each section has the name.
+    // Measured 6 MiB. It would be 769 MiB if each section stored the name.
     assert!(mib < 40, "{mib} MiB for a file of 204 kB");
 }
 
@@ -75,11 +76,11 @@ fn a_library_that_is_named_often_is_read_once() {
         let scene = Scene::from_obj(&obj).unwrap();
         assert_eq!((scene.materials().len(), scene.triangles()[0].material.0), (10_001, 8));
     });
-    // Measured 3 MiB; 810 MiB where each mention is read.
+    // Measured 3 MiB. It would be 810 MiB if the library were read for each mention.
     assert!(mib < 40, "{mib} MiB");
 }
 
-/// The message of the error, which must name the file and come at once.
+/// Returns the message of the error, which must name the file and come at once.
 fn refused<T>(path: &Path, result: Result<T, Error>) -> String {
     let Err(error) = result else { panic!("{}: not refused", path.display()) };
     assert!(matches!(error, Error::Io { .. } | Error::TooLarge { .. } | Error::Parse { .. }), "{error:?}");
@@ -102,7 +103,7 @@ fn what_is_no_regular_file_is_refused_and_not_waited_for() {
         assert!(message.ends_with("it is a pipe, a socket or a device; only regular files are read"), "{message}");
     }
     assert!(refused(&folder.0, Scene::from_obj(&folder.0)).contains("it is a folder"));
-    // A regular file by its type, which has no size and whose lines come when the kernel has some.
+    // By its type this is a regular file, but it has no size, and its lines come only when the kernel writes some.
     let kernel = Path::new("/proc/kmsg");
     assert!(Scene::from_obj(kernel).is_err());
     let obj = folder.write("scene.obj", format!("mtllib pipe\nmtllib /dev/zero\n{TRIANGLE}f 1 2 3\n"));
@@ -121,7 +122,7 @@ fn a_file_over_the_limit_is_refused_unread_and_the_limit_can_be_raised() {
     let limits = Limits::default().file_bytes(limit - 1).option_names("--max-file", "--max-sky");
     let message = refused(&obj, Scene::from_obj_within(&obj, &limits));
     assert!(message.ends_with("raise it with --max-file if the size is intended"), "{message}");
-    // MTL files have the limit together.
+    // The MTL files share one limit.
     let material = |name: &str| format!("newmtl {name}\n{}\n", "#".repeat(40));
     folder.write("a.mtl", material("a"));
     folder.write("b.mtl", material("b"));
@@ -129,12 +130,12 @@ fn a_file_over_the_limit_is_refused_unread_and_the_limit_can_be_raised() {
         let scene = Scene::from_obj_within(&obj, &Limits::default().file_bytes(limit)).unwrap();
         assert_eq!(scene.materials().len(), materials, "{limit}");
     }
-    // A hole of a terabyte takes no disk.
+    // A sparse file of a terabyte takes no disk space.
     fs::File::options().write(true).open(&obj).unwrap().set_len(1 << 40).unwrap();
     assert!(refused(&obj, Scene::from_obj(&obj)).contains("over the limit of 1073741824"));
 }
 
-/// An empty picture in a file of few bytes.
+/// Writes an empty picture, as a file of few bytes.
 #[cfg(feature = "sky")]
 fn picture(folder: &Folder, width: u32, height: u32) -> PathBuf {
     let path = folder.file("sky.png");
@@ -150,7 +151,7 @@ fn a_sky_takes_at_most_16_bytes_a_pixel_and_one_over_the_limit_none() {
     let folder = Folder::new("sky");
     let path = picture(&folder, 4096, 2048);
     let mib = peak_growth(|| assert_eq!(SkyMap::open(&path).unwrap().size(), [4096, 2048]));
-    // Measured 96 MiB, the colours' own 12 bytes a pixel; 36 took 288.
+    // Measured 96 MiB, which is 12 bytes per pixel for the colours. With 36 bytes per pixel it was 288 MiB.
     assert!(mib < 128, "{mib} MiB for 8 million pixels");
     let path = picture(&folder, 8192, 4096);
     let mib = peak_growth(|| {
@@ -178,7 +179,8 @@ fn a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_softwar
     renderer.upload(&scene).wait().unwrap();
     scene.sky = Sky::Map(SkyMap::new(4096, 2047, vec![Vec3::ONE; 4096 * 2047]).unwrap());
     let mib = peak_growth(|| drop(renderer.upload(&scene).wait().unwrap()));
-    // Measured 160 MiB: the 128 of the texture, and a piece of 16 twice. At once it took 255 before the texture's own.
+    // Measured 160 MiB: 128 MiB of the texture, and a piece of 16 MiB twice. Converted at once, it took 255 MiB beside
+    // the texture.
     assert!(mib < 192, "{mib} MiB for 8 million pixels");
 }
 
@@ -200,7 +202,7 @@ fn cameras_and_lights_are_read_within_limits_too() {
     folder.write("cameras.json", b"\xff\xfe{\0}\0");
     let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));
     assert!(message.ends_with("it is UTF-16 text, judging by its byte order mark; save it as UTF-8"), "{message}");
-    // A name of the file in an error steers no terminal.
+    // A name from the file must not send control sequences to the terminal through an error message.
     folder.write("cameras.json", "{ \"\\u001b[2J\": 1 }");
     let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));
     assert!(message.ends_with(r"which has: \u{1b}[2J"), "{message}");

@@ -1,5 +1,5 @@
-//! The classical ray tracer as a baseline (`BvhBuild::Flat`): the picture of a tree, bit for bit, and as many tests as
-//! double precision counts.
+//! The classical ray tracer as a baseline (`BvhBuild::Flat`): the picture equals a tree's, bit for bit. The number of
+//! tests is the number that double precision counts.
 
 use crate::common;
 
@@ -22,7 +22,8 @@ fn pair(renderer: &mut Renderer, scene: &UploadedScene, camera: &StereoCamera, m
     renderer.pair(scene, camera).options(&Options::new(method).linear(true).count(true)).read().wait().unwrap()
 }
 
-/// Colours, depths and ids of both views are the same, bit for bit; but for rounding where an adapter may contract.
+/// Checks that colours, depths and ids of both views are equal bit for bit. Adapters that may contract f32 may round
+/// differently.
 fn assert_same(list: &StereoPair, tree: &StereoPair, exact: bool, name: &str) {
     for (list, tree) in [(&list.left, &tree.left), (&list.right, &tree.right)] {
         let differing = list.rgba8.iter().zip(&tree.rgba8).filter(|(a, b)| a != b).count();
@@ -42,7 +43,7 @@ fn a_list_shows_what_a_tree_shows_bit_for_bit() {
     let mut shown = 0;
     for (name, (mut scene, camera)) in stacks.chain(builtins).chain(trials) {
         if scene.primitive_count() > 2500 {
-            continue; // a software adapter takes long, and of each kind of scene there are smaller ones
+            continue; // this takes long on a software adapter, and there are smaller scenes of each kind
         }
         shown += 1;
         scene.lights.truncate(2);
@@ -52,7 +53,7 @@ fn a_list_shows_what_a_tree_shows_bit_for_bit() {
         assert_same(&list, &tree, exact, &name);
         assert!(list.statistics.left.primitive_tests >= tree.statistics.left.primitive_tests, "{name}");
     }
-    // Ten stacks, and of the built-in scenes and trials those that are small enough.
+    // These are ten stacks, and the built-in scenes and trials that are small enough.
     assert!(shown >= 19, "{shown}");
 }
 
@@ -83,7 +84,7 @@ fn methods_and_lanes_go_through_lists_too() {
     }
 }
 
-/// Where a ray from a point first meets a ball, in lengths of its direction; `None` where it does not.
+/// Returns where a ray from a point first meets a ball, in lengths of its direction, or `None` if it misses.
 fn met(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<f64> {
     let (to, radius) = (origin - sphere.center.as_dvec3(), f64::from(sphere.radius));
     let (a, b) = (direction.length_squared(), to.dot(direction));
@@ -91,8 +92,8 @@ fn met(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<f64> {
     (root >= 0.0).then(|| (-b - root.sqrt()) / a).filter(|t| *t > 0.0)
 }
 
-/// The tests that the classical ray tracer makes for an eye's view of balls under one lamp: all of them for each pixel,
-/// and for each point that faces the lamp those up to the first one in the way.
+/// Returns the number of tests of the classical ray tracer for an eye's view of balls under one lamp. Each pixel tests
+/// all balls. Each point that faces the lamp tests the balls up to the first occluder.
 fn tests_in_double_precision(scene: &Scene, pose: &Pose, eye: f32) -> (u64, u64) {
     let balls = scene.spheres();
     let lamp = scene.lights[0].position;
@@ -114,7 +115,7 @@ fn tests_in_double_precision(scene: &Scene, pose: &Pose, eye: f32) -> (u64, u64)
         if (point - ball.center.as_dvec3()).dot(from_lamp) >= 0.0 {
             continue;
         }
-        // The point's own ball is met at 1.
+        // A point's own ball is met at 1.
         let first = balls.iter().position(|ball| met(ball, lamp, from_lamp).is_some_and(|t| t < 1.0 - 1e-6));
         shadow += first.map_or(balls.len(), |first| first + 1) as u64;
     }
@@ -139,8 +140,8 @@ fn rays_are_tested_against_every_object_and_shadow_rays_until_one_is_met() {
             let (primary, shadow) = tests_in_double_precision(&scene, &found.pose, eye);
             assert_eq!(of_eye(&unlit.statistics, eye).primitive_tests, primary, "{count}, eye {eye}");
             let tests = of_eye(&found.statistics, eye).primitive_tests - primary;
-            // Of 4096 pixels one may lie where rounding decides whether a point faces the lamp or a ball is in its way.
-            // Measured: the same number but once, when 28 of 140,545 tests of 57 balls are missing.
+            // In one of 4096 pixels, rounding may decide whether the point faces the lamp or a ball occludes it.
+            // Measured: the numbers are equal except once, when 28 of 140,545 tests of 57 balls are missing.
             let apart = tests.abs_diff(shadow) as f64 / shadow as f64;
             println!("{count} balls, eye {eye}: {tests} tests of shadow rays, {shadow} in double precision");
             assert!(apart < 5e-4, "{count}, eye {eye}: {tests} tests of shadow rays, {shadow} in double precision");
@@ -148,8 +149,8 @@ fn rays_are_tested_against_every_object_and_shadow_rays_until_one_is_met() {
     }
 }
 
-/// What the bench of Raghuvanshi and Dhande compares: a T-buffer beside a list, whose shadow rays go through that, and
-/// a shadow-buffer.
+/// Tests what the benchmark of Raghuvanshi and Dhande compares: a T-buffer with a list, which the shadow rays traverse,
+/// and a shadow-buffer.
 #[test]
 fn t_buffers_and_shadow_buffers_over_lists_show_what_they_show_over_trees() {
     let three = Builtin::ThreeSpheresMirrors;
@@ -169,7 +170,7 @@ fn t_buffers_and_shadow_buffers_over_lists_show_what_they_show_over_trees() {
         });
         assert_same(&drawn, &rays, exact, name);
         assert_same(&drawn, &pair(&mut renderer, &tree, camera, Method::Naive), exact, name);
-        // Shadow rays stay, and first hits take tests of what is near a pixel alone.
+        // The number of shadow rays stays the same. Closest hits only take tests of primitives near the pixel.
         let [drawn, rays] = [&drawn, &rays].map(|pair| pair.statistics.left);
         assert_eq!((drawn.rays.primary, drawn.rays.shadow), (0, rays.rays.shadow), "{name}");
         let primary = rays.rays.primary * scene.primitive_count() as u64;
@@ -192,7 +193,7 @@ fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_erro
     let (scene, camera) = stack(6000, StackedKind::Spheres, 24);
     let [list, tree] =
         [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).wait().unwrap());
-    // What is counted is one ray a lane, what is not is four on a software adapter.
+    // Counted frames trace one ray per lane, others four on a software adapter.
     let uncounted =
         renderer.pair(&list, &camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap();
     assert!(!uncounted.statistics.in_steps);
@@ -202,8 +203,8 @@ fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_erro
     assert!(!list.statistics.in_steps);
     assert!(list.statistics.left.primitive_tests > 24 * 24 * 6000);
 
-    // Ten lamps take more rounds than a software adapter grants a thread: the frame goes on in steps, and shows the
-    // same.
+    // Ten lamps take more rounds than a software adapter allows a thread. The frame continues in steps and shows the
+    // same picture.
     let (mut scene, camera) = stack(6000, StackedKind::Spheres, 8);
     let lamp = scene.lights[0];
     scene.lights.extend(
@@ -242,7 +243,7 @@ fn lists_of_what_moved_was_added_or_taken_for_a_tree_are_made_anew() {
         assert_eq!((updated.left, updated.right), (anew.left, anew.right), "{step}");
         assert_eq!(updated.statistics.left, anew.statistics.left, "{step}");
     }
-    // A list stays one: it tests as much as it did.
+    // A refitted list stays a list: each primary ray tests every primitive.
     let primary = 32 * 32 * scene.primitive_count() as u64;
     assert!(pair(&mut renderer, &list, &camera, Method::Naive).statistics.left.primitive_tests > primary);
     renderer.update(&mut list, &scene, Update::Rebuild(BvhBuild::Fast)).wait().unwrap();
@@ -265,7 +266,7 @@ fn copies_stay_in_a_list_and_the_smaller_id_still_wins() {
 
 #[test]
 fn the_stack_fills_the_view() {
-    // Half a percent of the pixels less than was measured: 59.6, 79.3, 79.3, 88.4, 89.7; 40.5, 82.5, 86.8.
+    // The bounds are half a percent of the pixels less than measured: 59.6, 79.3, 79.3, 88.4, 89.7; 40.5, 82.5, 86.8.
     for (count, kind, least) in [
         (3, StackedKind::Spheres, 0.59),
         (50, StackedKind::Spheres, 0.788),
@@ -281,7 +282,7 @@ fn the_stack_fills_the_view() {
         let covered = left.depth.iter().filter(|depth| depth.is_finite()).count() as f64 / left.depth.len() as f64;
         println!("{count} {kind:?}: {:.1}% of the pixels", 100.0 * covered);
         assert!(covered >= least, "{count} {kind:?}: {covered}");
-        // What stands above the lamp's level is lit from the front: there are shadows and there is light.
+        // Surfaces above the lamp's level are lit from the front, so there are shadows and light.
         let mean = left.linear.iter().map(|color| f64::from(color[1])).sum::<f64>() / left.linear.len() as f64;
         assert!((0.05..0.8).contains(&mean), "{count} {kind:?}: {mean}");
     }

@@ -1,5 +1,5 @@
-//! White furnaces: where the same light comes from everywhere, nothing sends more of it back than came, and what loses
-//! none looks like its surroundings.
+//! Tests white furnaces, in which the same light comes from everywhere. No surface sends back more light than it
+//! receives. A surface that loses none looks like its surroundings.
 
 use crate::common;
 
@@ -13,7 +13,7 @@ use stereotrace::{
 
 const PI: f64 = std::f64::consts::PI;
 
-/// A ball that faces nothing but a white sky.
+/// Returns a ball in a white sky.
 fn ball(material: Material) -> Scene {
     let mut scene = Scene::new();
     let material = scene.add_material(material);
@@ -36,7 +36,7 @@ fn a_white_sky_comes_back_from_what_loses_none_and_never_more_of_it() {
     let mirror = |fresnel| Finish::Mirror { fresnel };
     let glass = |index, fresnel| Finish::Glass { index, transmission: Vec3::ONE, fresnel };
     let plain = |albedo: f32, specular: f32| Material::new(Vec3::splat(albedo)).specular(Vec3::splat(specular));
-    // Where a ball of glass is met at a grazing angle some light is left inside after the last bounce.
+    // In a ball of glass that is met at a grazing angle, some light is left inside after the last bounce.
     for (name, material, least, most) in [
         ("diffuse", plain(1.0, 0.0), 1.0, 1.0),
         ("grey", plain(0.25, 0.0), 0.25, 0.25),
@@ -62,15 +62,15 @@ fn a_white_sky_comes_back_from_what_loses_none_and_never_more_of_it() {
     }
 }
 
-/// What a surface with a normalised lobe, but nothing diffuse, sends towards `to_eye` of light from `to_light`, times
-/// the cosine.
+/// Returns the light from `to_light` that a surface with only a normalised lobe sends towards `to_eye`, times the
+/// cosine.
 fn lobe(exponent: f64, to_light: DVec3, to_eye: DVec3) -> f64 {
     let mirrored = DVec3::new(-to_light.x, to_light.y, -to_light.z);
     let cosine = mirrored.dot(to_eye);
     if cosine <= 0.0 { 0.0 } else { (exponent + 2.0) / 2.0 * cosine.powf(exponent) * to_light.y }
 }
 
-/// Points of a hemisphere that stand for equal angles (Fibonacci's).
+/// Returns points of a hemisphere that stand for equal solid angles (Fibonacci's).
 fn hemisphere(count: u32) -> impl Iterator<Item = DVec3> {
     (0..count).map(move |index| {
         let y = (f64::from(index) + 0.5) / f64::from(count);
@@ -100,7 +100,7 @@ fn a_normalised_lobe_is_all_of_the_light_straight_above_and_less_aside() {
     }
 }
 
-/// A floor lit by points that stand for a white sky, seen from an angle.
+/// Tests a floor lit by points that stand for a white sky, seen from an angle.
 #[test]
 fn kernels_make_the_normalised_lobe_and_leave_mtls_as_it_is() {
     let count = 1500;
@@ -111,7 +111,7 @@ fn kernels_make_the_normalised_lobe_and_leave_mtls_as_it_is() {
         let glossy = Material::new(Vec3::splat(albedo)).specular(Vec3::splat(specular)).exponent(exponent);
         let mut scene = floor();
         scene.shadows = false;
-        // Over the floor, which stays white, a plate; and a ball of MTL's beside it, out of sight.
+        // A plate is above the floor, which stays white. A ball with MTL's highlights is beside it, out of sight.
         let plate = scene.add_material(glossy.clone().normalised(normalised));
         let other = scene.add_material(glossy.normalised(false));
         let corners = [[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]].map(|[x, z]| Vec3::new(x, 1.0, z)).to_vec();
@@ -153,7 +153,7 @@ fn kernels_make_the_normalised_lobe_and_leave_mtls_as_it_is() {
                 most = most.max(found);
             }
             println!("exponent {exponent}, normalised {normalised}, {degrees} degrees: {most:.4}");
-            // What 1500 points are off a hemisphere.
+            // The 1500 points deviate from a hemisphere by this much.
             assert!(!normalised || most < 1.005 && (degrees > 0.0 || most > 0.995), "{exponent} {degrees}: {most}");
         }
     }

@@ -1,4 +1,5 @@
-//! Pictures against closed forms: spheres and planes by formula, closed meshes without cracks, shadows at every scale.
+//! Tests pictures against closed forms: spheres and planes by formula, closed meshes without cracks, shadows at every
+//! scale.
 
 use crate::common;
 
@@ -31,7 +32,7 @@ fn a_red_sphere_at_plus_x_is_right_of_the_centre_and_further_left_for_the_right_
         let pair = render(&scene, &camera, Method::Naive);
         let (left, right) = columns(&pair);
         assert!(left > 64.0, "left eye sees it at column {left}");
-        // At the sphere's depth the silhouette's centre has the parallax of its centre, within its own relief.
+        // The silhouette's centre has the parallax of the sphere's centre, within the sphere's own relief.
         let expected = pair.pose.parallax_px(5.0 - z);
         assert!((right - left - expected).abs() < 1.0, "z {z}: {left} {right}, expected {expected}");
         assert!(right - left < last, "nearer is further left");
@@ -39,7 +40,8 @@ fn a_red_sphere_at_plus_x_is_right_of_the_centre_and_further_left_for_the_right_
     }
 }
 
-/// What a ray through a sphere over a plane sees: 0 sky, 1 the plane lit, 2 the plane in shadow, 3 sphere lit, 4 not.
+/// Returns the surface that a ray through a sphere over a plane sees: 0 sky, 1 the plane lit, 2 the plane in shadow, 3
+/// the sphere lit, 4 the sphere unlit. Also returns the hit's depth and the cosine of the light's angle.
 fn sphere_over_plane(origin: DVec3, direction: DVec3, light: DVec3) -> (u32, f64, f64) {
     let (center, radius) = (DVec3::new(0.0, 1.0, 0.0), 1.0);
     let sphere = |o: DVec3, d: DVec3| {
@@ -108,7 +110,7 @@ fn a_sphere_over_a_plane_with_one_shadow_is_as_by_formula() {
                 let (x, y) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
                 let see = |dx: f64, dy: f64| sphere_over_plane(origin, ray(x + dx, y + dy), light.as_dvec3());
                 let (kind, z, cosine) = see(0.0, 0.0);
-                // Within a fiftieth of a pixel of an edge f32 may see either side.
+                // Within 0.02 pixels of an edge, f32 may see either side.
                 let edge = [(0.02, 0.0), (-0.02, 0.0), (0.0, 0.02), (0.0, -0.02)];
                 if edge.iter().any(|&(dx, dy)| see(dx, dy).0 != kind) {
                     continue;
@@ -122,7 +124,7 @@ fn a_sphere_over_a_plane_with_one_shadow_is_as_by_formula() {
                 };
                 let index = (row * 160 + column) as usize;
                 let found = DVec3::from_array([0, 1, 2].map(|c| f64::from(view.linear[index][c])));
-                // Measured 1.2e-5, from the shadow ray's offset; four times that.
+                // The bound is four times the measured 1.2e-5, which comes from the shadow ray's offset.
                 assert!((found - expected).abs().max_element() < 5e-5, "({column}, {row}): {found} {expected}");
                 let depth = f64::from(view.depth[index]);
                 assert!(depth == z || (depth - z).abs() < 1e-5 * z, "({column}, {row}): {depth} {z}");
@@ -134,7 +136,7 @@ fn a_sphere_over_a_plane_with_one_shadow_is_as_by_formula() {
 
 #[test]
 fn a_closed_mesh_shows_no_crack_where_rays_go_exactly_through_its_vertices_and_edges() {
-    // Steps of a power of two make every direction and every product exact: all rays go through lattice points, which
+    // Steps of a power of two make every direction and every product exact. All rays go through lattice points, which
     // are vertices, edge middles and diagonals of the front wall.
     for spacing in [0.25_f32, 0.5, 1.0] {
         let count = (36.0 / spacing) as u32;
@@ -146,7 +148,7 @@ fn a_closed_mesh_shows_no_crack_where_rays_go_exactly_through_its_vertices_and_e
             positions.extend((0..=count).flat_map(|j| (0..=count).map(move |i| point(i, j, z))));
             let at = |i: u32, j: u32| base + j * (count + 1) + i;
             for (i, j) in (0..count).flat_map(|j| (0..count).map(move |i| (i, j))) {
-                // Diagonals both ways, so that edges of every direction meet.
+                // Diagonals in both directions make edges of every direction meet.
                 let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
                 triangles.extend(if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
             }
@@ -175,7 +177,7 @@ fn a_closed_ball_shows_no_crack_at_any_scale_or_place() {
             let center = Vec3::splat(offset) + random.point(1.0) * scale;
             let mut scene = Scene::new();
             scene.add_mesh(&ball(center, scale, rings)).unwrap();
-            // Straight at a pole, where 2 * rings triangles meet, and from the side.
+            // One view is straight at a pole, where 2 * rings triangles meet. The other is from the side.
             for from in [Vec3::new(1e-3, 3.0, 0.0), Vec3::new(1.0, 0.5, 3.0)] {
                 let camera = StereoCamera::look_at(center + from * scale, center)
                     .size(129, 129)
@@ -194,8 +196,8 @@ fn a_closed_ball_shows_no_crack_at_any_scale_or_place() {
     }
 }
 
-/// Everything the eye sees, a light at the eye lights: a dark pixel is shadow acne. Pixels at a silhouette don't count:
-/// there the surface may be edge-on to the light, and black is right.
+/// Counts dark pixels with a light at the eye, which lights everything that the eye sees. A dark pixel is shadow acne.
+/// Pixels at a silhouette don't count, since the surface may be edge-on to the light there.
 fn acne(scene: &Scene, camera: &StereoCamera) -> (usize, usize) {
     let mut scene = scene.clone();
     scene.ambient = Some(Vec3::ZERO);
@@ -235,9 +237,9 @@ fn shadow_rays_leave_their_surface_at_every_scale_and_far_from_the_origin() {
 
 #[test]
 fn shadows_reach_to_their_casters_at_every_scale_and_place() {
-    // A wall on a floor, lit from above: at its foot the floor is in shadow up to x = 0.26, unless the shadow rays
-    // start above the wall. The other side of the acne test.
-    // The farther lights are 20 and 10,000 times the scene's side away.
+    // A wall stands on a floor, lit from above. At its foot the floor is in shadow up to x = 0.26, unless the shadow
+    // rays start above the wall. This is the other side of the acne test. The farther lights are 20 and 10,000 times
+    // the scene's side away.
     let places = [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e3), (1.0, 1e5), (1e-3, 1.0)];
     for ((scale, offset), away) in places.into_iter().flat_map(|place| [1.0, 30.0, 2e4].map(|away| (place, away))) {
         let place = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) * scale + Vec3::splat(offset);
@@ -285,7 +287,7 @@ fn a_ball_does_not_shadow_its_lit_side_however_far_the_light() {
             for (index, (depth, color)) in pair.left.depth.iter().zip(&pair.left.linear).enumerate() {
                 let direction = frame.direction(stereotrace::testing::cpu::Eye::Left, index % 96, index / 96);
                 let point = frame.eye(stereotrace::testing::cpu::Eye::Left) + direction * depth.min(1e9);
-                // Facing the light by more than a triangle's normal can be off.
+                // The triangle faces the light by more than the error of its normal.
                 let facing = depth.is_finite() && (point - center).dot((position - point).normalize()) > 0.1 * scale;
                 lit += usize::from(facing);
                 assert!(
@@ -301,14 +303,14 @@ fn a_ball_does_not_shadow_its_lit_side_however_far_the_light() {
 #[test]
 fn the_hall_shows_no_acne() {
     let camera = Builtin::Hall.camera(192, 108);
-    // Without its vertex normals: at a rim these may rightly point away from the light.
+    // Vertex normals are left out, since at a rim they may correctly point away from the light.
     let triangles = Builtin::Hall.scene().triangles().to_vec();
     let corners = triangles.iter().flat_map(|triangle| triangle.corners).collect();
     let faces = (0..triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let mut flat = Scene::new();
     flat.add_mesh(&Mesh::new(corners, faces)).unwrap();
     let (dark, seen) = acne(&flat, &camera);
-    // Measured 0; the bound leaves a pixel or two for concave corners on other adapters.
+    // Measured 0. The bound leaves a pixel or two for concave corners on other adapters.
     assert!(dark <= 2, "{dark} of {seen}");
 }
 

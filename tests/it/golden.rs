@@ -1,6 +1,6 @@
-//! Stored pictures: the last line of defence, after everything that knows the truth from elsewhere.
+//! Compares with stored pictures, after all tests against independent references.
 //!
-//! Renew them with `STEREOTRACE_RENEW_GOLDEN=1 cargo test --test golden`, and look at them.
+//! To renew them, run `STEREOTRACE_RENEW_GOLDEN=1 cargo test --test golden`, and look at them.
 
 use crate::common;
 
@@ -13,12 +13,12 @@ use stereotrace::{
     wgpu,
 };
 
-/// A channel may differ by this much without counting: other adapters round otherwise.
+/// Difference of a channel that does not count, since other adapters round differently.
 const TOLERANCE: u8 = 3;
 
-/// Pixels of `total` that may differ by more. Software adapters compute nearly alike: on llvmpipe's Vulkan, its
-/// OpenGL and `SwiftShader` 2 of 20,736 do, and five times as many may. GPUs may decide single pixels at edges
-/// otherwise: half a percent.
+/// Returns how many pixels of `total` may differ by more. Software adapters compute nearly alike: 2 of 20,736 pixels
+/// differ on llvmpipe's Vulkan, its OpenGL and `SwiftShader`. Five times as many are allowed. On GPUs single pixels at
+/// edges may differ, and half a percent is allowed.
 fn allowed(total: usize) -> usize {
     match renderer().gpu().adapter_info().device_type {
         wgpu::DeviceType::Cpu => total / 2000,
@@ -26,7 +26,7 @@ fn allowed(total: usize) -> usize {
     }
 }
 
-/// Pixels with a channel that differs by more than [`TOLERANCE`].
+/// Returns the number of pixels with a channel that differs by more than [`TOLERANCE`].
 fn differing(a: &[[u8; 4]], b: &[[u8; 4]]) -> usize {
     assert_eq!(a.len(), b.len());
     let differs = |(a, b): &(&[u8; 4], &[u8; 4])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > TOLERANCE);
@@ -67,8 +67,8 @@ fn the_hall_s_right_view_by_the_default_method_is_as_stored() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
     let pair = renderer.pair(&uploaded, &Builtin::Hall.camera(192, 108)).read().wait().unwrap();
-    drop(renderer); // check asks for it
-    // With five lights it pays on software adapters and on GPUs.
+    drop(renderer); // `check` takes this renderer
+    // With five lights, bracket is cheaper on software adapters and on GPUs.
     assert_eq!(pair.statistics.method, Method::BRACKET);
     check("hall_default", &pair.right.picture());
 }

@@ -1,4 +1,4 @@
-//! Ground truth against what shares no code with it: closed forms, and light that shows which way surfaces face.
+//! Tests ground truth against closed forms, and against light that shows the direction of surfaces.
 
 use crate::common;
 
@@ -19,8 +19,8 @@ fn truth_of(scene: &Scene, camera: &StereoCamera) -> (StereoPair, GroundTruth) {
     (pair, truth)
 }
 
-/// An eye, -1 left, 1 right, and the direction of length 1 along the view through a pixel's centre, from the numbers of
-/// [`Pose`] alone.
+/// Returns an eye (-1 left, 1 right) and the direction through a pixel's centre, of length 1 along the view axis. It
+/// uses the numbers of [`Pose`] alone.
 fn ray(pose: &Pose, side: f64, column: usize, row: usize) -> (DVec3, DVec3) {
     let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
     let eye = pose.eye + right * (0.5 * side * f64::from(pose.interaxial));
@@ -40,7 +40,8 @@ fn vector(of: [f32; 3]) -> DVec3 {
     DVec3::from_array(of.map(f64::from))
 }
 
-/// All that there is: a mesh with normals, a ball and a turned ellipsoid, on a plane, before sky.
+/// Returns a scene of all kinds of primitives: a mesh with normals, a ball and a rotated ellipsoid, on a plane, before
+/// sky.
 fn still_life() -> Scene {
     let mut scene = Scene::new();
     let materials = [(); 4].map(|()| scene.add_material(Material::new(Vec3::ONE)));
@@ -62,7 +63,7 @@ fn still_life_camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.2, 1.4, 5.0), Vec3::new(0.0, 0.7, 0.0)).size(161, 97).interaxial(0.3)
 }
 
-/// Without shadows, a white surface shows `max(0, n · l)` of a lamp: three lamps along the axes show n.
+/// Without shadows, a white surface shows `max(0, n · l)` of a lamp. So three lamps along the axes show n.
 #[test]
 fn shading_normals_are_those_that_surfaces_are_lit_by() {
     let mut scene = still_life();
@@ -71,7 +72,7 @@ fn shading_normals_are_those_that_surfaces_are_lit_by() {
     let (pair, truth) = truth_of(&scene, &still_life_camera());
     let (mut smooth, mut worst) = (0, 0.0_f32);
     for sign in [-1.0, 1.0] {
-        // So far off that its direction is the same from everywhere.
+        // The lamp is so far away that its direction is the same from everywhere.
         let lamp = |axis: Vec3| Light::point(sign * 1e7 * axis, axis);
         scene.lights = [Vec3::X, Vec3::Y, Vec3::Z].map(lamp).to_vec();
         let lit = common::render(&scene, &still_life_camera(), Method::Naive);
@@ -84,14 +85,14 @@ fn shading_normals_are_those_that_surfaces_are_lit_by() {
                     continue;
                 }
                 for axis in 0..3 {
-                    // Behind the triangle itself it is dark.
+                    // A triangle that faces away from the lamp is dark.
                     let faces = sign * geometric[axis] > 0.0;
                     let albedo = if eye.material[index] == 0 { 0.7 } else { 1.0 };
                     let expected = if faces { albedo * (sign * shading[axis]).max(0.0) } else { 0.0 };
-                    // What faces a lamp edge-on faces it or not by rounding.
+                    // If a surface is edge-on to the lamp, rounding decides whether it faces the lamp.
                     let off = if geometric[axis].abs() < 1e-4 { 0.0 } else { (expected - light[axis]).abs() };
                     worst = worst.max(off);
-                    // Vertex normals are kept in 32 bits. Measured 2.4e-5.
+                    // Vertex normals are stored in 32 bits. Measured 2.4e-5.
                     assert!(off < 1e-4, "pixel {index}, axis {axis}: {expected} and {}", light[axis]);
                 }
                 smooth += usize::from(shading != geometric);
@@ -127,7 +128,7 @@ fn depth_distance_disparity_and_normals_are_those_of_closed_forms() {
                     (z, (origin + direction * z - center).normalize())
                 }
                 id if id == spheres + 1 => {
-                    // The gradient of |A⁻¹ (p - c)|², by the inverse of the axes in f64.
+                    // The normal is the gradient of |A⁻¹ (p - c)|², by the inverse of the axes in f64.
                     let ellipsoid = scene.ellipsoids()[0];
                     let inverse = ellipsoid.axes.as_dmat3().inverse();
                     let gradient = inverse.transpose() * (inverse * (point - ellipsoid.center.as_dvec3()));
@@ -162,14 +163,14 @@ fn depth_distance_disparity_and_normals_are_those_of_closed_forms() {
     }
     println!("depth, distance, disparity in px, normal: off by {worst:?}");
     assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
-    // Of depths times the sine of the angle to the surface. Measured 2.4e-7, 2.6e-7, 2.4e-6 and 1.1e-5, the last of the
-    // ellipsoid, whose expected normal has the depth's rounding.
+    // These errors are relative to depth times the sine of the angle to the surface. Measured 2.4e-7, 2.6e-7, 2.4e-6
+    // and 1.1e-5. The last is the error of the ellipsoid, whose expected normal has the depth's rounding.
     let bounds = [1e-6, 1e-6, 1e-5, 3e-5];
     assert!(worst.iter().zip(bounds).all(|(off, bound)| *off < bound), "{worst:?}");
 }
 
-/// A point is occluded iff the other eye's ray to it is blocked, or it leaves the other picture: by double precision,
-/// of every kind of primitive.
+/// A point is occluded if the other eye's ray to it is blocked, or if it leaves the other picture. This is tested in
+/// double precision, for every kind of primitive.
 #[test]
 fn occlusion_is_what_the_other_eyes_rays_meet() {
     let scene = still_life();
@@ -208,7 +209,7 @@ fn ids_are_the_scenes_own_and_normals_turn_with_the_camera() {
     for (_, view, eye) in eyes(&pair, &truth) {
         assert_eq!((&eye.primitive, &eye.object), (&view.primitive, &view.object));
         for (&object, &material) in eye.object.iter().zip(&eye.material) {
-            // The second mesh is of the grey that every scene begins with.
+            // The second mesh has the default grey material of every scene.
             let expected = [1, 0, 2, 3, 4, MISS][(object as usize).min(5)];
             assert_eq!(material, expected, "{object}");
             if object < 5 {
@@ -252,14 +253,14 @@ fn what_no_ground_truth_can_be_made_of_is_refused_by_name() {
     let mut moved = scene.clone();
     moved.add_sphere(Sphere::new(Vec3::ZERO, 1.0, MaterialId(0))).unwrap();
     assert!(message(&moved, &naive).is_err());
-    // The methods that show the same surfaces have the same truth.
+    // Methods that show the same surfaces have the same ground truth.
     let truth = message(&scene.clone(), &naive).unwrap();
     for method in [Method::BRACKET, Method::VERIFIED, Method::Auto] {
         assert!(message(&scene, &Options::new(method)).unwrap() == truth, "{method}");
     }
 }
 
-/// Scenes and cameras on the edge: nothing may be no number, and every file can be written.
+/// Tests extreme scenes and cameras: no value may be NaN, and every file can be written.
 #[test]
 fn the_edges_have_numbers_and_files() {
     let plane_through_the_eyes = {
@@ -319,7 +320,7 @@ fn the_edges_have_numbers_and_files() {
     }
 }
 
-/// Off-axis pairs have negative disparities behind the screen, which KITTI's file can't hold: nothing is written, and
+/// Off-axis pairs have negative disparities behind the screen, which KITTI's file can't hold. Nothing is written, and
 /// the message says what to do.
 #[test]
 fn kitti_refuses_negative_disparities_and_takes_those_before_a_far_screen() {
@@ -337,7 +338,7 @@ fn kitti_refuses_negative_disparities_and_takes_those_before_a_far_screen() {
         message.contains("is not above 0, which KITTI's PNG file can't hold: render the pair with parallel cameras")
     );
     assert!(folder.names().is_empty());
-    // The plane goes on behind any screen; what is seen of it does not.
+    // The plane continues behind any screen, but its visible part does not.
     let low = still_life_camera().target(Vec3::new(0.0, -2.0, 0.0)).vertical_fov_degrees(30.0);
     add(&low.screen_distance(1e3)).unwrap();
     assert_eq!(folder.names(), ["a.png"]);

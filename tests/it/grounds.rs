@@ -1,4 +1,5 @@
-//! Grounds much larger than what stands on them, against a tracer in double precision that follows the same f32 rays.
+//! Tests grounds much larger than the objects on them, against a tracer in double precision that follows the same f32
+//! rays.
 
 use crate::common;
 use crate::truth;
@@ -16,20 +17,20 @@ use truth::{Seen, Truth};
 const WIDTH: u32 = 200;
 const HEIGHT: u32 = 150;
 
-/// A ground's share of wrong colours, and the largest error of a depth relative to it.
+/// Maximum share of wrong colours of a ground, and maximum error of a depth relative to it.
 const WRONG_SHARE: f64 = 1e-3;
 const DEPTH_ERROR: f64 = 1e-5;
-/// The sine of the angle between ray and tilted ground down to which that holds. The rounding of a unit normal to f32
-/// moves a hit by up to some 1e-7 of its depth over that sine; below, the bound grows so too.
+/// Smallest sine of the angle between ray and tilted ground for which the depth bound holds. Rounding a unit normal to
+/// f32 moves a hit by up to some 1e-7 of its depth over that sine. Below it, the bound grows in the same way.
 const GRAZING: f64 = 0.02;
-/// The colour of a floor's pixel may be off by this many steps of 255.
+/// Maximum error of the colour of a floor's pixel, in steps of 255.
 const STEPS: u8 = 3;
 
-/// Methods whose right pixels are all their own rays'; the others copy some from up to half a pixel beside.
+/// Methods whose right pixels show their own rays' hits. The others reuse some samples from up to half a pixel beside.
 const OWN_RAYS: [&str; 4] = ["bracket", "verified", "bracket-rays", "auto"];
 const COPIED: [&str; 6] = ["atomic", "buffer", "buffer-2e", "es-isler", "adelson-hodges", "atomic-edges"];
 
-/// What a scene stands on: a square, or a sphere or an ellipsoid that touches the origin from below.
+/// The ground of a scene: a square, or a sphere or an ellipsoid that touches the origin from below.
 #[derive(Clone, Copy, Debug)]
 enum Ground {
     Quad { half_side: f32, tilt_degrees: f32 },
@@ -38,7 +39,7 @@ enum Ground {
 }
 
 impl Ground {
-    /// Turns the level world into the tilted one.
+    /// Returns the rotation from the level world to the tilted world.
     fn turn(self) -> Quat {
         match self {
             Self::Quad { tilt_degrees, .. } | Self::Ellipsoid { tilt_degrees, .. } => {
@@ -48,7 +49,7 @@ impl Ground {
         }
     }
 
-    /// A dozen boxes on the ground, in no light but three lamps'.
+    /// Returns a dozen boxes on the ground, lit by three lamps alone.
     fn scene(self, boxes: bool) -> Scene {
         let mut scene = Scene::new();
         let grey = scene.add_material(Material::new(Vec3::splat(0.6)).name("grey"));
@@ -82,7 +83,7 @@ impl Ground {
         scene
     }
 
-    /// Six units away, with the horizon in the picture.
+    /// Returns a camera six units away, with the horizon in the picture.
     fn camera(self) -> StereoCamera {
         let turn = self.turn();
         StereoCamera::look_at(turn * Vec3::new(0.7, 1.9, 5.7), turn * Vec3::new(0.0, 0.4, 0.0))
@@ -92,7 +93,7 @@ impl Ground {
     }
 }
 
-/// Adds a box that is turned about its own upright axis, then with the ground.
+/// Adds a box that is rotated around its own upright axis, then with the ground.
 fn add_box(scene: &mut Scene, center: Vec3, half: Vec3, around: f32, turn: Quat, material: MaterialId) {
     let corner = |index: usize| {
         let sign = |bit: usize| if index >> bit & 1 == 0 { -1.0 } else { 1.0 };
@@ -109,23 +110,23 @@ fn far_apart(found: [u8; 4], expected: [u8; 3]) -> bool {
     found.iter().zip(expected).any(|(a, b)| a.abs_diff(b) > STEPS)
 }
 
-/// How far a view is from the truth on the floor.
+/// Difference of a view from the truth on the floor.
 #[derive(Debug, Default)]
 struct Judged {
     floor: usize,
     wrong_colors: usize,
-    /// Relative to the depth; and the same where the angle is below [`GRAZING`], as if it were that.
+    /// Largest error relative to the depth, and the same with angles below [`GRAZING`] scaled to that angle.
     depth_error: f64,
     scaled_depth_error: f64,
     least_slope: f64,
-    /// Of the parallax that follows from the depth.
+    /// Largest error of the parallax that follows from the depth.
     parallax_error: f64,
-    /// The distance of a hit from the floor's surface.
+    /// Largest distance of a hit from the floor's surface.
     off_surface: f64,
 }
 
 impl Judged {
-    /// Judges the pixels for which `counts` holds, and of which the truth is that the floor is seen.
+    /// Compares the pixels for which `counts` holds and in which the truth shows the floor.
     fn new(pair: &StereoPair, view: &View, truth: &[Seen], scene: &Scene, counts: impl Fn(usize) -> bool) -> Self {
         let mut judged = Self { least_slope: 1.0, ..Self::default() };
         let on_floor = |seen: &Seen| seen.primitive != stereotrace::MISS && is_floor(scene, seen.primitive);
@@ -134,7 +135,7 @@ impl Judged {
             judged.wrong_colors += usize::from(far_apart(view.rgba8[index], seen.srgb()));
             let found = view.primitive[index];
             if found == stereotrace::MISS || !is_floor(scene, found) {
-                continue; // Another surface's edge, which the colour judges.
+                continue; // The pixel shows another surface's edge, which the colours test.
             }
             let error = (f64::from(view.depth[index]) - seen.t).abs();
             let parallax = f64::from(pair.pose.interaxial_px) * f64::from(pair.pose.screen_distance);
@@ -154,7 +155,8 @@ impl Judged {
     }
 }
 
-/// The floor is the quad, which comes first, or the sphere or ellipsoid, which comes last.
+/// Returns whether a primitive is the floor. The floor is the quad, which comes first, or the sphere or ellipsoid,
+/// which comes last.
 fn is_floor(scene: &Scene, primitive: u32) -> bool {
     let material: &Material = match scene.triangles().get(primitive as usize) {
         Some(triangle) => &scene.materials()[triangle.material.0 as usize],
@@ -163,7 +165,8 @@ fn is_floor(scene: &Scene, primitive: u32) -> bool {
     material.name == "grey"
 }
 
-/// Reused floor pixels whose colour is nowhere near in the true view: they come from up to a pixel beside.
+/// Counts reused floor pixels whose colour is nowhere near in the true view, since they come from up to a pixel beside.
+/// Also returns the number of pixels compared.
 fn acne_of_copies(pair: &StereoPair, truth: &[Seen], scene: &Scene) -> (usize, usize) {
     let (width, height) = (WIDTH as usize, HEIGHT as usize);
     let inner = (1..height - 1).flat_map(|row| (1..width - 1).map(move |column| row * width + column));
@@ -178,7 +181,7 @@ fn acne_of_copies(pair: &StereoPair, truth: &[Seen], scene: &Scene) -> (usize, u
     (acne.count(), reused.len())
 }
 
-/// Renders a ground by every method, prints how far each is off, and returns what is beyond the bounds.
+/// Renders a ground by every method, prints the errors of each, and returns the errors beyond the bounds.
 fn faults(ground: Ground, judge: impl Fn(&Judged) -> Option<String>, boxes: bool) -> Vec<String> {
     let (scene, camera) = (ground.scene(boxes), ground.camera());
     let mut renderer = renderer();
@@ -216,7 +219,7 @@ fn faults(ground: Ground, judge: impl Fn(&Judged) -> Option<String>, boxes: bool
     for name in COPIED {
         let pair = pair_by(name);
         let traced = Judged::new(&pair, &pair.right, &right, &scene, |index| pair.source[index] != PixelSource::Reused);
-        // Few pixels, most of them at edges: what the share of all the floor may be.
+        // These are few pixels, most of them at edges. Their number may be the allowed share of the whole floor.
         let share = Judged { floor: WIDTH as usize * HEIGHT as usize, ..traced };
         report(name, &share);
         acne.push((name, acne_of_copies(&pair, &right, &scene)));
@@ -236,13 +239,13 @@ fn faults(ground: Ground, judge: impl Fn(&Judged) -> Option<String>, boxes: bool
     faults
 }
 
-/// A level floor, whose normal has no rounding, or a sphere: depths are within the bound at grazing angles too.
+/// Checks a level floor, whose normal is not rounded, or a sphere. Depths are within the bound at grazing angles too.
 fn exact(judged: &Judged) -> Option<String> {
     let good = judged.depth_error <= DEPTH_ERROR;
     within(judged).or_else(|| (!good).then(|| format!("{judged:?}")))
 }
 
-/// A floor whose colours, depths and parallaxes are within the bounds.
+/// Checks that a floor's colours, depths and parallaxes are within the bounds.
 fn within(judged: &Judged) -> Option<String> {
     let good = judged.wrong_share() <= WRONG_SHARE
         && judged.scaled_depth_error <= DEPTH_ERROR
@@ -280,7 +283,7 @@ fn ground_spheres_to_a_radius_of_10_000_are_as_in_double_precision() {
     assert_none(&radii.map(|radius| faults(Ground::Sphere { radius }, exact, true)).concat());
 }
 
-/// Without boxes there is no shadow whose edge could move: every wrong colour is acne.
+/// Without boxes there are no shadow edges that could move, so every wrong colour is acne.
 #[test]
 fn ground_spheres_beyond_have_no_acne_and_are_off_by_at_most_an_ulp_of_the_radius() {
     let beyond = |radius: f32| {
@@ -294,7 +297,7 @@ fn ground_spheres_beyond_have_no_acne_and_are_off_by_at_most_an_ulp_of_the_radiu
     assert_none(&[1e5, 1e6].map(beyond).concat());
 }
 
-/// Whole ellipsoids and flat ones, along the axes of the world: their matrices are exact, or nearly.
+/// Tests whole and flat ellipsoids along the world's axes. Their matrices are exact or nearly exact.
 #[test]
 fn ground_ellipsoids_to_10_000_are_as_in_double_precision() {
     let sizes = [(20.0, 5.0), (1000.0, 1.0), (1e4, 5e3), (1e4, 10.0)];
@@ -302,7 +305,7 @@ fn ground_ellipsoids_to_10_000_are_as_in_double_precision() {
     assert_none(&sizes.map(|size| faults(ground(size), exact, true)).concat());
 }
 
-/// The rounding of their matrices moves these by some ulps of their size; they have no acne.
+/// The rounding of the matrices moves these ellipsoids by some ulps of their size. They have no acne.
 #[test]
 fn tilted_and_vast_ground_ellipsoids_have_no_acne_and_are_off_by_at_most_two_ulps() {
     let beyond = |(radius, height, tilt_degrees): (f32, f32, f32)| {
@@ -317,7 +320,8 @@ fn tilted_and_vast_ground_ellipsoids_have_no_acne_and_are_off_by_at_most_two_ulp
     assert_none(&sizes.map(beyond).concat());
 }
 
-/// The comparison itself: a shadow bit, a step too many or a depth of another plane must show.
+/// Tests the comparison itself: it must detect a wrong shadow bit, one colour step too many, or the depth of another
+/// plane.
 #[test]
 fn a_wrong_pixel_a_wrong_depth_and_a_hole_are_seen() {
     let ground = Ground::Quad { half_side: 20.0, tilt_degrees: 0.0 };

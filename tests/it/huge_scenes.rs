@@ -1,4 +1,4 @@
-//! Fine detail in huge scenes, and primitives that no box can tell apart.
+//! Tests fine detail in huge scenes, and primitives that no box can separate.
 
 use crate::common;
 use crate::truth;
@@ -15,13 +15,13 @@ use stereotrace::{
 };
 use truth::Truth;
 
-/// A huge ground may cost a ray so many tests more than one that ends beside the picture. Measured: 1.7, its own two
-/// triangles; with boxes widened alike it was thousands.
+/// Maximum ratio of a ray's tests with a huge ground to those with a ground that ends beside the picture. Measured:
+/// 1.7, by the ground's own two triangles. If all boxes were widened equally, it would be thousands.
 const MORE_TESTS: f64 = 2.0;
-/// `bracket` may test so many times as much: measured 3.2. The ground's depth reaches farther than the small one's, and
-/// of the rays that ask narrow shadows anew each meets the ground's two triangles.
+/// Maximum ratio of tests by `bracket`: measured 3.2. The huge ground's depth range is larger. Each ray that tests
+/// narrow shadows again meets the ground's two triangles.
 const MORE_TESTS_BY_BRACKET: f64 = 3.8;
-/// Building takes less than a second; quadratic building took twenty for a sixth of the copies.
+/// Maximum building time. Building takes less than a second. Quadratic building took twenty for a sixth of the copies.
 const BUILD: Duration = Duration::from_secs(5);
 
 fn quad(half_side: f32, height: f32) -> Mesh {
@@ -32,14 +32,14 @@ fn quad(half_side: f32, height: f32) -> Mesh {
     )
 }
 
-/// What pebbles are made of.
+/// Kind of the pebbles.
 #[derive(Clone, Copy, Debug)]
 enum Pebble {
     Octahedra,
     Spheres,
 }
 
-/// Pebbles of 2 mm, a thousand of them within half a metre, on a ground of any size; in metres.
+/// Returns a thousand pebbles of 2 mm within half a metre, on a ground of any size, in metres.
 fn pebbles(kind: Pebble, half_side: f32) -> Scene {
     let mut scene = Scene::new();
     scene.add_mesh(&quad(half_side, 0.0)).unwrap();
@@ -83,8 +83,8 @@ fn counted(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, method
     renderer.pair(&uploaded, camera).options(&Options::new(method).count(true)).read().wait().unwrap()
 }
 
-/// Pixels that do not show what double precision sees along their rays, but for those within a hundredth of a pixel of
-/// an edge: there f32 may see either side.
+/// Returns the number of pixels that do not show what double precision sees along their rays. Pixels within 0.01 pixels
+/// of an edge don't count, since f32 may see either side.
 fn wrong_hits(scene: &Scene, pair: &StereoPair) -> usize {
     let truth = Truth::new(scene);
     let frame = Frame::new(&pair.pose);
@@ -96,8 +96,8 @@ fn wrong_hits(scene: &Scene, pair: &StereoPair) -> usize {
         let hit = |direction| truth.closest(origin.as_dvec3(), direction);
         let (t, primitive) = hit(direction.as_dvec3());
         let same = pair.left.primitive[index] == primitive;
-        // At its depth the other half of the ground's quad is as good: the line between them is a far corner's rounding
-        // off.
+        // At this depth the other half of the ground's quad is also correct, since rounding of a far corner moves the
+        // line between the halves.
         let close = (f64::from(pair.left.depth[index]) - t).abs() < 1e-5 * t;
         if close || (same && primitive == MISS) {
             return false;
@@ -120,7 +120,7 @@ fn pebbles_on_a_huge_ground_cost_no_more_tests_than_on_a_small_one() {
     let mut renderer = renderer(Boxes::F32);
     let mut red = Vec::new();
     for kind in [Pebble::Octahedra, Pebble::Spheres] {
-        // Both fill the picture, so that rays are the same.
+        // Both grounds fill the picture, so that the rays are the same.
         let small = pebbles(kind, 1.0);
         for (name, method) in [("naive", Method::Naive), ("bracket", Method::BRACKET)] {
             let pair = counted(&mut renderer, &small, &camera, method);
@@ -160,7 +160,7 @@ fn pebbles_on_a_huge_ground_cost_no_more_tests_than_on_a_small_one() {
     assert!(red.is_empty(), "{} of 16 are wrong:\n{}", red.len(), red.join("\n"));
 }
 
-/// Builds and renders a scene, and says what went wrong: every pixel must be as `expected` says.
+/// Builds and renders a scene and returns a description of the first fault. `expected` must hold for the pair.
 fn fault(name: &str, scene: &Scene, camera: &StereoCamera, expected: impl Fn(&StereoPair) -> bool) -> Option<String> {
     let mut renderer = renderer(Boxes::F32);
     let started = Instant::now();
@@ -190,12 +190,12 @@ fn copies(count: u32, scale: f32) -> Mesh {
     Mesh::new(corners.map(|corner| corner * scale).to_vec(), vec![[0, 1, 2]; count as usize])
 }
 
-/// From so far that the copies fill some hundred pixels of 64 x 64.
+/// Returns a camera so far away that the copies fill some hundred of 64 x 64 pixels.
 fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(64, 64)
 }
 
-/// What two eyes see: the primitives in order, the misses left out.
+/// Returns the ids of the primitives that both eyes see, sorted, without misses.
 fn seen(pair: &StereoPair) -> Vec<u32> {
     let mut seen: Vec<_> = [&pair.left, &pair.right].iter().flat_map(|view| view.primitive.clone()).collect();
     seen.sort_unstable();
@@ -204,7 +204,7 @@ fn seen(pair: &StereoPair) -> Vec<u32> {
     seen
 }
 
-/// From few primitives to many, and no further than the first fault: what grows with their square takes minutes.
+/// Runs searches from few primitives to many, up to the first fault, since quadratic work would take minutes.
 fn assert_none<F: FnOnce() -> Option<String>>(searches: impl IntoIterator<Item = F>) {
     let fault = searches.into_iter().find_map(|search| search());
     assert!(fault.is_none(), "{}", fault.unwrap_or_default());
@@ -221,7 +221,7 @@ fn copies_of_one_triangle_build_and_render_and_the_first_is_seen() {
     }));
 }
 
-/// Copies in a corner of a scene whose other triangles are none, so that both kinds of splits are needed.
+/// Copies are in a corner of a scene with other triangles, so that both kinds of splits are needed.
 #[test]
 fn copies_beside_other_triangles_build_and_render() {
     assert_none([200, 1000, 20_000].map(|count| {
@@ -240,7 +240,7 @@ fn copies_beside_other_triangles_build_and_render() {
     }));
 }
 
-/// About one centre, and about centres on a line so that all touch one point from one side.
+/// The spheres have one centre, or centres on a line such that all touch one point from one side.
 #[test]
 fn nested_spheres_build_and_render_and_the_outermost_is_seen() {
     let cases = [200, 2000, 200_000].into_iter().flat_map(|count: u32| [(count, 0.0), (count, 1.0)]);
@@ -253,7 +253,7 @@ fn nested_spheres_build_and_render_and_the_outermost_is_seen() {
                 scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap();
             }
             let name = if aside == 0.0 { "concentric" } else { "tangent" };
-            // Where spheres touch, rounding may let another one be seen.
+            // Where spheres touch, rounding may show another one.
             fault(&format!("{count} {name} spheres"), &scene, &camera(), |pair| {
                 let seen = seen(pair);
                 seen.contains(&(count - 1)) && (aside > 0.0 || seen.len() == 1)
@@ -262,8 +262,8 @@ fn nested_spheres_build_and_render_and_the_outermost_is_seen() {
     }));
 }
 
-/// Products of so small coordinates are 0 in f32. They are far too small to be seen; what stands beside them is as
-/// ever.
+/// Products of such small coordinates are 0 in f32. The primitives are far too small to be seen, and objects beside
+/// them look the same as without them.
 #[test]
 fn scenes_of_a_scale_of_1e_30_build_and_render() {
     let mesh_of = |count: u32, alike: bool| {

@@ -1,4 +1,4 @@
-//! Jittered samples: pictures against filters in f64 of what stands at the documented places.
+//! Tests jittered samples: pictures against filters in f64 of the colours at the documented positions.
 
 use crate::common;
 
@@ -13,7 +13,8 @@ use stereotrace::{
     glam::Vec3, testing::suite::Trial,
 };
 
-/// How far to the right of their cells' middles the samples of a row stand, of a cell, as docs/DESIGN.md has it.
+/// Returns the offset of a row's samples from the middles of their cells to the right, in cells, as docs/DESIGN.md
+/// defines it.
 fn offset(side: u32, seed: u32, row: u32) -> f64 {
     let hash = |row: u32| pcg(row ^ pcg(seed));
     let pixel = row / side;
@@ -23,8 +24,8 @@ fn offset(side: u32, seed: u32, row: u32) -> f64 {
     (rank as f64 + 0.5) / f64::from(side) - 0.5
 }
 
-/// Filters what is light at places in pixels from the picture's top left corner: along rows first, each row's weights
-/// divided by their sum.
+/// Filters the light at positions in pixels from the picture's top left corner. Rows are filtered first, and each row's
+/// weights are divided by their sum.
 fn filtered(
     [width, height]: [u32; 2],
     (side, seed): (u32, u32),
@@ -57,7 +58,7 @@ fn camera(width: u32, height: u32) -> StereoCamera {
     sampling::camera(width, height).eye(5.0 * Vec3::Z)
 }
 
-/// A white half plane on the screen before black: where `x cos a + y sin a < d`.
+/// Returns a white half plane on the screen, before black, where `x cos a + y sin a < d`.
 fn half_plane(angle: f32, d: f32) -> Scene {
     let mut scene = Scene::new();
     let white = scene.add_material(Material::new(Vec3::ONE));
@@ -70,7 +71,7 @@ fn half_plane(angle: f32, d: f32) -> Scene {
     scene
 }
 
-/// Upright, level and slanted edges, whose points both eyes see at one place, since they stand on the screen.
+/// Tests upright, level and slanted edges on the screen, whose points both eyes see in one place.
 #[test]
 fn an_edge_covers_what_the_documented_places_say_in_both_eyes() {
     let mut renderer = renderer();
@@ -78,7 +79,7 @@ fn an_edge_covers_what_the_documented_places_say_in_both_eyes() {
     for (angle, d) in [(0.0_f32, 0.1234), (0.07, 0.037), (1.570_796_4, 0.0067), (0.6, 0.211), (2.5, 0.111)] {
         let uploaded = renderer.upload(&half_plane(angle, d)).wait().unwrap();
         let (cos, sin) = (f64::from(angle.cos()), f64::from(angle.sin()));
-        // 20 pixels of 0.2.
+        // The picture has 20 columns of 0.2 units.
         let inside = |x: f64, y: f64| (x - 10.0) * 0.2 * cos - (y - 7.5) * 0.2 * sin - f64::from(d);
         for side in 2..=6 {
             let seed = 40 + side;
@@ -111,7 +112,7 @@ fn an_upright_edge_has_as_many_levels_as_a_pixel_has_samples() {
     for jitter in [false, true] {
         let mut levels = std::collections::BTreeSet::new();
         for step in 0..60 {
-            // One pixel of 0.4 further to the right, in 60 steps.
+            // The edge moves by one pixel of 0.4 to the right, in 60 steps.
             let uploaded = renderer.upload(&half_plane(0.0, 0.001 + step as f32 * 0.4 / 60.0)).wait().unwrap();
             let options = Options::new(Method::Naive).samples(side * side).jitter(jitter).linear(true);
             let pair = renderer.pair(&uploaded, &camera(10, 1)).options(&options).read().wait().unwrap();
@@ -155,11 +156,11 @@ fn depth_ids_and_sources_are_those_of_rays_through_the_pixels_centres() {
         assert!(without_color(&pair.left) == without_color(&one.left), "{samples}");
         assert!(without_color(&pair.right) == without_color(&one.right), "{samples}");
         assert!(pair.source == one.source && pair.shadow_source == one.shadow_source, "{samples}");
-        // One sample stands in the centre.
+        // With one sample, the sample is in the centre.
         assert_eq!(pair.left.rgba8 == still.left.rgba8, samples == 1);
         let rays = 61 * 40 * u64::from(if samples == 1 { 1 } else { samples + 1 });
         assert_eq!(pair.statistics.left.rays.primary, rays);
-        // Nobody asks for centres: then there are no rays through them.
+        // Without a G-buffer, there are no rays through the pixels' centres.
         let colors = options.g_buffer(GBuffer::None);
         let alone = renderer.pair(&uploaded, &camera).options(&colors).read().wait().unwrap();
         assert!(alone.left.rgba8 == pair.left.rgba8 && alone.right.rgba8 == pair.right.rgba8);
@@ -182,7 +183,7 @@ fn the_same_seed_makes_the_same_picture_and_another_one_another() {
     assert!(differing > 61 * 43 / 20, "{differing}");
 }
 
-/// Filtered pictures of every method that is exact; sweeps on the device and on the host; and a rig with views on both
+/// Tests filtered pictures of every exact method, sweeps on the device and on the host, and a rig with views on both
 /// sides.
 #[test]
 fn methods_that_agree_without_jitter_agree_with_it() {
@@ -210,8 +211,8 @@ fn methods_that_agree_without_jitter_agree_with_it() {
     }
 }
 
-/// What methods that copy colours get wrong is as much with jitter as without: they copy along a row, whose samples all
-/// stand aside alike.
+/// Methods that reuse colours have as many wrong pixels with jitter as without. They reuse along a row, and all samples
+/// of a row have the same offset.
 #[test]
 fn methods_that_copy_are_as_wrong_as_without_jitter() {
     let mut renderer = renderer();

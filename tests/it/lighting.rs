@@ -1,4 +1,4 @@
-//! Lights, ambient light and where lights are placed: what is refused, and what is rendered where nothing is said.
+//! Tests lights, ambient light and the placement of lights: invalid values, and default values.
 
 use crate::common;
 
@@ -31,12 +31,12 @@ fn negative_light_and_reflectance_are_refused_by_name() {
     refused("sky", "nadir", &|scene| scene.sky = Sky::Gradient { nadir: negative, zenith: Vec3::ONE });
     refused("sky", "zenith", &|scene| scene.sky = Sky::Gradient { nadir: Vec3::ONE, zenith: negative });
     let mut scene = Scene::new();
-    scene.ambient = Some(Vec3::NEG_ONE * 0.0); // no less than nothing
+    scene.ambient = Some(Vec3::NEG_ONE * 0.0); // a negative zero is not negative
     scene.lights.push(Light::point(light.position, Vec3::ONE));
     assert!(renderer().upload(&scene).wait().is_ok());
 }
 
-/// A grey ground, level at y = 0, under the camera.
+/// Returns a grey ground, level at y = 0, under the camera.
 fn ground(half: f32) -> Scene {
     let mut scene = Scene::new();
     let corner = |x: f32, z: f32| Vec3::new(x * half, 0.0, z * half);
@@ -61,7 +61,7 @@ fn ambient_light_makes_room_for_lights_unless_it_was_given() {
     near(shade(Some(0.3), Some(0.5)), 0.3 + 0.5);
     near(shade(Some(0.0), Some(0.5)), 0.5);
     near(shade(Some(0.2), None), 0.2);
-    near(shade(Some(1.0), Some(0.0)), 1.0); // as given, though it is what the rule says without lights
+    near(shade(Some(1.0), Some(0.0)), 1.0); // the given value applies, though it equals the default without lights
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn lights_by_rule_keep_the_ambient_light_that_was_given() {
     }
 }
 
-/// Nothing is between the eye and a light, nor is a light in a sphere or an ellipsoid.
+/// Checks that nothing is between the eye and a light, and that no light is in a sphere or an ellipsoid.
 fn assert_seen(scene: &Scene, camera: &StereoCamera, case: &str) {
     let eye = camera.pose().unwrap().eye;
     for (index, light) in scene.lights.iter().enumerate() {
@@ -119,7 +119,7 @@ fn lights_stand_in_the_eyes_surroundings_and_not_in_the_ground() {
         for half in [200.0, 1e4, 1e6] {
             let mut scene = ground(half);
             scene.add_sphere(object).unwrap();
-            // Something as high as the ground is wide below it: the box around all is a cube.
+            // Below the ground is an object as high as the ground is wide, so that the bounding box is a cube.
             let tower = Vec3::new(0.5 * half, half, 0.0);
             let mast = vec![tower, Vec3::new(0.5 * half, -half, 0.0), tower + Vec3::X];
             scene.add_mesh(&Mesh::new(mast, vec![[0, 1, 2]])).unwrap();
@@ -130,7 +130,7 @@ fn lights_stand_in_the_eyes_surroundings_and_not_in_the_ground() {
     }
 }
 
-/// The rule without its second part, as it is in the documentation.
+/// Tests the rule without its second part, as it is documented.
 #[test]
 fn built_in_scenes_have_their_lights_in_their_boxes() {
     for &builtin in Builtin::ALL {

@@ -1,4 +1,5 @@
-//! What a device must have: below it a device is refused by the limit's name, at it everything renders.
+//! Tests the limits that a device must have. Below a limit a device is refused by the limit's name. At the limit
+//! everything renders.
 
 use crate::common;
 
@@ -7,7 +8,7 @@ use stereotrace::{
     Error, Fetch, Gpu, Method, Options, Renderer, Traversal, blocking::Wait, scene::builtin::Builtin, wgpu,
 };
 
-/// A limit by name, and its place.
+/// Name of a limit, and access to its value.
 type Limit = (&'static str, fn(&mut wgpu::Limits) -> &mut u32);
 
 const CHECKED: [Limit; 11] = [
@@ -26,7 +27,7 @@ const CHECKED: [Limit; 11] = [
     ("max_compute_workgroups_per_dimension", |limits| &mut limits.max_compute_workgroups_per_dimension),
 ];
 
-/// The name of the limit that keeps a device from being used.
+/// Returns the name of the limit for which the device is refused.
 fn refused(limits: wgpu::Limits) -> &'static str {
     let (device, queue) = device(limits);
     match Gpu::from_device(device, queue) {
@@ -52,7 +53,8 @@ fn a_device_below_a_limit_that_kernels_need_is_refused_by_the_limit_s_name() {
     refused(wgpu::Limits::downlevel_webgl2_defaults());
 }
 
-/// Naive and the default method, by both ways to read a scene, are the same pictures on a device with these limits.
+/// Checks that naive and the default method show the same pictures on a device with these limits, by both ways to read
+/// a scene.
 fn renders_the_same(limits: &wgpu::Limits) {
     let own = gpu();
     let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(49, 33));

@@ -1,6 +1,6 @@
 //! The integration tests: one program, so that they are linked once and share a device and its pipelines.
 //!
-//! `cargo test --test it NAME` runs those of a module or a name.
+//! `cargo test --test it NAME` runs the tests of a module, or a single test.
 
 mod common;
 mod solids;

@@ -1,4 +1,4 @@
-//! Scene files in memory: the same scenes, warnings and errors as of the same files on the disk.
+//! Tests scene files in memory: they give the same scenes, warnings and errors as files on the disk.
 use crate::common;
 use crate::common::gltf;
 
@@ -16,10 +16,10 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::json;
 use stereotrace::{Error, Limits, MissingTextures, SceneFile, SceneOptions, Texture};
 
-/// What is said of a file that is missing in memory; of one on the disk it is the system's own text.
+/// Message for a file that is missing in memory. For a file on the disk, the message is the system's.
 const MISSING: &str = "no such file among those in memory";
 
-/// Names and bytes.
+/// Names and bytes of files.
 type Files<'a> = &'a [(&'a str, &'a [u8])];
 
 fn png(pixels: &[[u8; 4]]) -> Vec<u8> {
@@ -40,19 +40,19 @@ fn from_memory(name: &str, files: Files, options: &SceneOptions) -> Result<Scene
     SceneFile::from_memory(name, &files, options)
 }
 
-/// What became of a file, and what was said meanwhile.
+/// Result of reading a file, and the messages.
 struct Outcome {
     result: Result<SceneFile, Error>,
     message: String,
     warnings: Vec<String>,
 }
 
-/// Reads the first file from the disk and from memory, and sees to it that they make the same scene and say the same.
+/// Reads the first file from the disk and from memory, and checks that both give the same scene and messages.
 #[track_caller]
 fn both(files: Files, options: &SceneOptions) -> Outcome {
     warnings::collect();
     let folder = Folder::new("memory");
-    // A folder that no other test has is part of the names, so that warnings can be told apart.
+    // The names contain a folder of this test alone, so that its warnings can be found.
     let [above, own] = [folder.path().parent(), folder.path().file_name().map(Path::new)].map(|path| path.unwrap());
     let (above, own) = (format!("{}/", above.display()), own.display().to_string());
     let mut given = BTreeMap::new();
@@ -82,7 +82,7 @@ fn both(files: Files, options: &SceneOptions) -> Outcome {
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n";
 const FACE: &str = "f 1/1 2/2 3/3\n";
 
-/// A glTF file as text, its buffer and a picture each in a file of its own.
+/// Returns a glTF file as text, with its buffer and a picture in separate files.
 fn gltf_files(buffer: &str, picture: &str) -> (String, Vec<u8>, Vec<u8>) {
     let mut builder = Builder::triangle(json!({}));
     builder.push("images", json!({ "uri": picture }));
@@ -109,7 +109,7 @@ fn an_obj_with_mtl_files_and_textures_is_the_same_scene() {
     ];
     let Outcome { result, warnings, .. } = both(&files, &SceneOptions::default());
     let scene = result.unwrap().scene;
-    // The wood once as it is and once with its brightness as alpha.
+    // The wood is used once unchanged, and once with its brightness as alpha.
     assert_eq!((scene.textures().len(), scene.materials().len(), warnings.len()), (3, 4, 0), "{warnings:?}");
     assert!(both(&files, &SceneOptions::default().crease_angle(Some(30.0))).result.is_ok());
 }
@@ -125,7 +125,7 @@ fn gltf_files_with_files_beside_them_and_in_one_are_the_same_scene() {
     let texture = builder.texture(&picture);
     builder.json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": texture } });
     for content in [builder.binary(), builder.text().into_bytes()] {
-        // Its content tells the format, whatever its name.
+        // The content determines the format, not the file's name.
         let file = both(&[("house", &content)], &SceneOptions::default()).result.unwrap();
         assert_eq!(file.scene.textures().len(), 1);
     }
@@ -223,7 +223,7 @@ fn limits_hold_as_they_do_on_the_disk() {
     let large = [&*picture, &[0; 500]].concat();
     let message = said(&[files[0], files[1], ("a.png", &large)], limit(300));
     assert!(message.contains(&format!("the file has {} bytes, over the limit of 300", large.len())), "{message}");
-    // So do all buffers.
+    // All buffers share one limit too.
     let (text, buffer, picture) = gltf_files("a.bin", "a.png");
     let buffer = [buffer, vec![0; text.len()]].concat();
     let files: [(&str, &[u8]); 3] = [("a.gltf", text.as_bytes()), ("a.bin", &buffer), ("a.png", &picture)];
@@ -248,12 +248,12 @@ fn files_without_their_folders_are_found_by_their_names() {
     ];
     let found = from_memory("house.obj", &flat, &options).unwrap();
     assert_eq!(found.scene.textures().len(), 2);
-    // As where all lies in its place.
+    // The scene equals the one whose files are at their named paths.
     let (a, b) = (a.replace("C:\\tex\\Wood.PNG", "../wood.png"), b.replace("/home/me/tex/leaf.png", "leaf.png"));
     let placed: [(&str, &[u8]); 5] =
         [flat[0], ("lib/a.mtl", a.as_bytes()), ("lib/B.mtl", b.as_bytes()), flat[3], ("lib/leaf.png", &leaf)];
     assert_eq!(hash(&found), hash(&both(&placed, &options).result.unwrap()));
-    // With another picture of the name nobody can tell.
+    // A second picture with this name makes the name ambiguous.
     let twice: Vec<_> = flat.into_iter().chain([("old/Wood.png", &*leaf)]).collect();
     let message = from_memory("house.obj", &twice, &options).unwrap_err().to_string();
     assert_eq!(message, format!("a.mtl:2: map_Kd 'C:\\tex\\Wood.PNG' of material 'a': {MISSING}"));
@@ -261,7 +261,7 @@ fn files_without_their_folders_are_found_by_their_names() {
     let obj = format!("mtllib lib/my house.mtl\n{TRIANGLE}usemtl a\n{FACE}");
     let files: [(&str, &[u8]); 2] = [("house.obj", obj.as_bytes()), ("My house.mtl", b"newmtl a\nKd 1 0 0\n")];
     assert_eq!(from_memory("house.obj", &files, &options).unwrap().scene.materials().len(), 2);
-    // Paths as browsers and Windows write them, and the main file's by any of them.
+    // Paths may be written as by browsers and Windows, and the main file may be named by any of these forms.
     let (text, buffer, picture) = gltf_files("data/a.bin", "../tex/a%2Bb.png");
     let files: [(&str, &[u8]); 3] = [
         ("/town/house/a.gltf", text.as_bytes()),

@@ -1,4 +1,5 @@
-//! Mirrors, glass and veils against a plain tracer in double precision, closed forms, and `Naive` of the same run.
+//! Tests mirrors, glass and veils against a plain tracer in double precision, closed forms, and `Naive` of the same
+//! run.
 
 use crate::common;
 
@@ -11,7 +12,8 @@ use stereotrace::{
     scene::builtin::Builtin,
 };
 
-/// The wall behind everything: its colour says where it is hit, red from left to right and green from below.
+/// Depth of the wall behind everything. Its colour shows the position of a hit, red from left to right and green from
+/// below.
 const WALL_Z: f32 = -4.0;
 const WALL_HALF: f32 = 6.0;
 const SKY: Vec3 = Vec3::new(0.1, 0.2, 0.6);
@@ -51,7 +53,7 @@ fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.3, 0.2, 6.0), Vec3::ZERO).size(96, 72).interaxial_pixels(6.0)
 }
 
-/// What comes along a ray, with so many bounces left.
+/// Returns the light along a ray, with `left` more bounces.
 fn seen(balls: &[Ball], origin: DVec3, direction: DVec3, left: u32) -> DVec3 {
     let hit_of = |ball: &Ball| {
         let to = origin - ball.center;
@@ -90,7 +92,7 @@ fn seen(balls: &[Ball], origin: DVec3, direction: DVec3, left: u32) -> DVec3 {
                 return mirrored();
             }
             let inner = sine.asin();
-            // Fresnel's sine and tangent laws; straight on they have a limit.
+            // This is Fresnel's equation by sine and tangent. At normal incidence it uses their limit.
             let back = match angle < 1e-4 {
                 true => ((from - to) / (from + to)).powi(2),
                 false => {
@@ -149,13 +151,13 @@ fn balls_send_on_what_a_tracer_in_double_precision_sees() {
                 off += usize::from((DVec3::new(r, g, b) - expected).abs().max_element() > 0.004);
             }
             println!("{bounces} bounces, eye {side}: {off} of {}", view.linear.len());
-            // Where a rim of something is seen by way of another ball, f32 may see past it.
+            // If a ball's rim is seen by way of another ball, f32 may see past it.
             assert!(off <= 20, "{bounces} bounces, eye {side}: {off}");
         }
     }
 }
 
-/// Balls of all kinds over a checkerboard, under lights.
+/// Returns balls of all kinds over a checkerboard, under lights.
 fn mixed() -> Scene {
     let mut scene = Builtin::Random20.scene();
     let finishes =
@@ -205,13 +207,13 @@ fn the_second_eye_sends_its_own_rays_by_every_method_and_traversal() {
             let first = first.get_or_insert_with(|| naive.clone());
             assert!((&naive.left, &naive.right) == (&first.left, &first.right), "{traversal:?}");
         }
-        // What the thesis's methods carry over is the hit: reflections follow the eye but for half a pixel.
+        // The thesis's methods reuse the hit. So reflections follow the eye, except for half a pixel.
         let mean_of = |pair: &StereoPair| {
             let off = |(a, b): (&[f32; 4], &[f32; 4])| (a[0] - b[0]).abs();
             pair.right.linear.iter().zip(&naive.right.linear).map(off).sum::<f32>() / naive.right.linear.len() as f32
         };
         for method in [Method::ATOMIC, Method::BUFFER, Method::ES_ISLER, Method::ADELSON_HODGES, Method::Auto] {
-            // At most half of what the left view's colours are off, as measured.
+            // Measured: at most half of the error of the left view's colours.
             let by_ideal = mean_of(&render(Method::Ideal));
             let mean = mean_of(&render(method));
             assert!(mean < 0.6 * by_ideal, "{traversal:?} {method}: {mean} for {by_ideal}");
@@ -235,7 +237,7 @@ fn a_mirror_shows_what_would_stand_behind_it() {
         Vec3::new(-9.0, 9.0, 0.0),
     ];
     with.add_mesh(&Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).materials(vec![mirror])).unwrap();
-    // Behind the eyes, so that it is seen in the mirror only.
+    // The lamp is behind the eyes, so that it is seen in the mirror only.
     lamp(&mut with, Vec3::new(0.6, 0.4, 7.0));
     lamp(&mut behind, Vec3::new(0.6, 0.4, -7.0));
     let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(120, 90).interaxial_pixels(8.0);
@@ -259,7 +261,7 @@ fn in_light_from_everywhere_glass_and_mirrors_are_not_seen() {
         scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, material)).unwrap();
         let pair = render(&scene, &camera(), Options::new(Method::BRACKET).bounces(MAX_BOUNCES));
         let off = pair.right.linear.iter().map(|color| (color[0] - 0.5).abs()).fold(0.0, f32::max);
-        // What is still in the ball after eight bounces is lost.
+        // Light that is still in the ball after eight bounces is lost.
         println!("{finish:?}: {off}");
         let mean = pair.right.linear.iter().map(|color| (color[0] - 0.5).abs()).sum::<f32>() / 6912.0;
         println!("{finish:?}: mean {mean}");
@@ -289,7 +291,7 @@ fn veils_mix_with_what_is_behind_and_mirrors_in_mirrors_end() {
     let [r, g, b, _] = render(&scene, &camera, Options::default()).right.linear[100];
     assert!((Vec3::new(r, g, b) - Vec3::new(0.25, 0.375, 0.375)).abs().max_element() < 1e-6, "{r} {g} {b}");
 
-    // Between two mirrors, one of them behind the eyes, that reflect a half and glow a little.
+    // The eyes are between two mirrors, one of them behind the eyes, which reflect a half and emit a little light.
     let mut scene = Scene::new();
     let half = Material::new(Vec3::ZERO).specular(Vec3::splat(0.5)).finish(Finish::Mirror { fresnel: false });
     let half = scene.add_material(half.emission(Vec3::splat(0.25)));
@@ -302,7 +304,7 @@ fn veils_mix_with_what_is_behind_and_mirrors_in_mirrors_end() {
         let [found, ..] = pair.right.linear[100];
         assert!((found - expected).abs() < 1e-5, "{bounces}: {found} for {expected}");
     }
-    // Without a surface to show it.
+    // The scene has glass but no surface made of it.
     let mut nothing = Scene::new();
     nothing.add_material(Material::new(Vec3::ZERO).finish(glass(1.5, true)));
     assert_eq!(render(&nothing, &camera, Options::default()).statistics.right.rays.secondary, 0);
@@ -322,7 +324,7 @@ fn rays_that_mirrors_and_glass_send_on_are_summed_too() {
         let options = Options::new(Method::BRACKET).samples(samples).g_buffer(g_buffer);
         renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap().statistics.right.rays
     };
-    // Of an even grid a picture of one sample is rendered besides, for what pixels' centres show.
+    // With an even grid, a picture of one sample is also rendered for the values at the pixels' centres.
     let (both, grid, centres) = (rays(4, GBuffer::Ids), rays(4, GBuffer::None), rays(1, GBuffer::Ids));
     assert!(centres.secondary > 0);
     assert_eq!(both.secondary, grid.secondary + centres.secondary);

@@ -1,5 +1,4 @@
-//! Scenes that change after they were uploaded: whatever a scene went through, its pictures are those of the same scene
-//! uploaded anew.
+//! Tests scenes that change after the upload: their pictures must equal the pictures of the same scene uploaded anew.
 
 use crate::common;
 
@@ -14,7 +13,7 @@ use stereotrace::{
 /// A change of a scene, with its name.
 type Change = (&'static str, fn(&mut Scene));
 
-/// The objects of [`scene`].
+/// Ids of the objects of [`scene`].
 const GROUND: u32 = 0;
 const FLAT: u32 = 1;
 const SMOOTH: u32 = 2;
@@ -40,7 +39,7 @@ fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO).screen_distance(5.0).size(50, 37).interaxial_pixels(6.0)
 }
 
-/// A ground with a triangle without area, a flat and a smooth ball, spheres, two lights.
+/// Returns a ground with a triangle without area, a flat and a smooth ball, spheres, and two lights.
 fn scene() -> Scene {
     let mut scene = Scene::new();
     let red = scene.add_material(Material::new(Vec3::new(0.8, 0.2, 0.1)));
@@ -63,7 +62,7 @@ fn about(center: Vec3, transform: Affine3A) -> Affine3A {
     Affine3A::from_translation(center) * transform * Affine3A::from_translation(-center)
 }
 
-/// Changes that a refit can follow, one upon the other. The first five leave the kernels what they are.
+/// Successive changes that a refit can follow. The first five need no other kernels.
 const CHANGES: &[Change] = &[
     ("nothing", |_| {}),
     ("a ball moves", |scene| scene.transform_object(FLAT, &shift(0.3, 0.2, 0.4)).unwrap()),
@@ -113,7 +112,7 @@ const CHANGES: &[Change] = &[
     }),
 ];
 
-/// What a method shows, and where from.
+/// Returns both views by a method, with linear colours.
 fn shown(renderer: &mut Renderer, scene: &stereotrace::UploadedScene, method: Method) -> impl PartialEq + use<> {
     let pair = renderer.pair(scene, &camera()).options(&Options::new(method).linear(true)).read().wait().unwrap();
     (pair.left, pair.right)
@@ -137,7 +136,7 @@ fn assert_as_new(
 
 const SAME_KERNELS: usize = 5;
 
-/// Goes through changes and compares after each.
+/// Applies changes and compares after each of them.
 fn go_through(changes: &[Change], traversal: Traversal, methods: &[Method]) {
     let mut renderer = renderer_by(traversal);
     let mut scene = scene();
@@ -173,7 +172,7 @@ fn by_every_way_to_read_it_a_changed_scene_looks_as_uploaded_anew() {
     }
 }
 
-/// Up and down, over the ends of textures' rows, with and without room.
+/// The scene grows and shrinks across row ends of textures, with and without spare room.
 #[test]
 fn a_scene_that_grows_and_shrinks_is_rebuilt_into_what_room_there_is() {
     let mut renderer = renderer();
@@ -207,7 +206,7 @@ fn a_scene_that_grows_and_shrinks_is_rebuilt_into_what_room_there_is() {
     update(&scene, build, "all back");
 }
 
-/// A change that a refit can't follow, and what is said of it.
+/// A change that a refit can't follow, and the reason in its error.
 type Refused = (fn(&mut Scene), &'static str);
 
 fn refusal(result: Result<(), Error>) -> String {
@@ -248,7 +247,7 @@ fn a_refit_refuses_what_its_tree_does_not_hold_and_leaves_the_scene_as_it_was() 
     }
 }
 
-/// Exact copies are left out of the tree: they may move with what they are copies of, but not away from it.
+/// Exact copies are left out of the tree. They may move with their original, but not away from it.
 #[test]
 fn copies_are_refitted_as_long_as_they_are_copies() {
     let mut renderer = renderer();
@@ -264,7 +263,7 @@ fn copies_are_refitted_as_long_as_they_are_copies() {
     scene.transform_object(copy, &shift(0.0, 0.0, 0.01)).unwrap();
     let message = refusal(renderer.update(&mut uploaded, &scene, Update::Refit).wait());
     assert!(message.contains("because it was an exact copy of primitive "), "{message}");
-    // What a copy without area was a copy of may be anywhere.
+    // The original of a copy without area may be anywhere.
     scene.transform_object(copy, &Affine3A::from_scale(Vec3::ZERO)).unwrap();
     renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
     assert_as_new(&mut renderer, &uploaded, &scene, &[Method::Naive, Method::BRACKET], "the copy shrinks");

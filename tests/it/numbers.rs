@@ -1,4 +1,4 @@
-//! Numbers that no picture, scene or ray can be made of are refused by name.
+//! Tests that numbers from which no picture, scene or ray can be made are refused by name.
 
 use crate::common;
 
@@ -19,7 +19,7 @@ use stereotrace::{
     testing::suite::Trial,
 };
 
-/// Numbers that someone's arithmetic may come up with.
+/// Numbers that a caller's arithmetic may produce.
 const NUMBERS: [f32; 16] = [
     0.0,
     -0.0,
@@ -80,12 +80,12 @@ fn any_size_makes_a_picture_or_an_error() {
             valid
         );
         for camera in [Builtin::Near.camera(width, height), Trial::Wires.camera(width, height)] {
-            // A screen of fixed width gets pixels too narrow or a height too great in some of these.
+            // With a screen of fixed width, some of these pixels are too narrow or the screen is too high.
             if let Err(error) = camera.pose() {
                 assert!(!valid || error.to_string().contains("screen_width is"), "{error}");
                 assert!(error.to_string().contains(&format!("{width}x{height}")), "{error}");
             }
-            // Up to 16 GiB of colour some adapter may take it.
+            // Some adapter may accept up to 16 GiB of colours.
             if valid && u64::from(width) * u64::from(height) <= 1 << 30 {
                 continue;
             }

@@ -41,7 +41,7 @@ fn shown(path: &Path) -> String {
     path.strip_prefix(root()).unwrap_or(path).display().to_string()
 }
 
-/// Rows of tables and text without a space to break at may be longer.
+/// Returns whether a line may be longer, such as a row of a table or text without a space to break at.
 fn may_be_long(line: &str) -> bool {
     let text = line.trim_start_matches(['/', '!', ' ', '#', '*', '-', '>']);
     text.starts_with('|') || line.contains("http") || !text.trim_end().contains(' ')

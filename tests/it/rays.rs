@@ -1,4 +1,4 @@
-//! Lists of rays of every kind, through every variant of the traversal, against searches that share no code with it.
+//! Tests lists of rays of every kind, with every variant of the traversal, against searches that share no code with it.
 
 use crate::common;
 
@@ -16,7 +16,7 @@ struct List {
     rays: Vec<Ray>,
 }
 
-/// Every kind of ray that the methods trace, of a picture whose width is no multiple of a block.
+/// Returns every kind of ray that the methods trace, for a picture whose width is no multiple of a block.
 fn lists(scene: &Scene, camera: &StereoCamera, light: Vec3, far: f32, random: &mut Random) -> Vec<List> {
     let pose = camera.pose().unwrap();
     let frame = Frame::new(&pose);
@@ -37,7 +37,7 @@ fn lists(scene: &Scene, camera: &StereoCamera, light: Vec3, far: f32, random: &m
     let scattered = primary.iter().copied().filter(|_| random.unit() < 0.1).collect();
     let inside = 0.5 * (light + points[points.len() / 2]);
     let everywhere = (0..501).map(|_| Ray::new(inside, random.point(1.0))).collect();
-    // Where a lane has four rays, some of these lanes have one origin and some have several.
+    // Some lanes with four rays have one origin, others have several.
     let bounced = points.iter().enumerate().map(|(index, point)| {
         let origin = if index % 16 < 4 { light } else { *point };
         Ray::new(origin, random.point(0.05 * far)).t_min(1e-3)
@@ -92,7 +92,7 @@ fn every_variant_hits_what_a_search_through_all_primitives_hits() {
                 let same = |(found, expected): &(&RayHit, &(f32, u32))| (found.t, found.primitive) == **expected;
                 let differing = closest.iter().zip(expected).filter(|pair| !same(pair)).count();
                 let wrong = any.iter().zip(expected).filter(|(any, hit)| **any != (hit.1 != MISS)).count();
-                // Elsewhere t is rounded otherwise, and so is what happens at an edge.
+                // On other adapters t is rounded differently, and so are decisions at edges.
                 let allowed = if exact { 0 } else { list.rays.len() / 50 };
                 assert!(wrong <= allowed, "{what}: {wrong} of {} are occluded otherwise", any.len());
                 if exact {
@@ -105,7 +105,7 @@ fn every_variant_hits_what_a_search_through_all_primitives_hits() {
 
 #[test]
 fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
-    // The grid's cells are many triangles wide where a second ball stands far off.
+    // If a second ball is far away, the grid's cells are many triangles wide.
     for (scale, offset, far_off, away) in [
         (1e-4, 0.0, 0.0, 1.0),
         (1e5, 0.0, 0.0, 1.0),
@@ -120,14 +120,14 @@ fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
         if far_off > 0.0 {
             scene.add_mesh(&ball(center + Vec3::new(far_off, 0.0, -far_off), scale, 4)).unwrap();
         }
-        // A sheet without thickness behind the ball, so that its boxes have none either.
+        // A sheet without thickness is behind the ball, so that its boxes have no thickness either.
         let corner =
             |i: u32| center + Vec3::new((i % 21) as f32 * 0.3 - 3.0, (i / 21) as f32 * 0.3 - 3.0, -2.0) * scale;
         let quads = (0..400).map(|i| i / 20 * 21 + i % 20);
         let sheet = quads.flat_map(|i| [[i, i + 1, i + 22], [i, i + 22, i + 21]]).collect();
         scene.add_mesh(&Mesh::new((0..441).map(corner).collect(), sheet)).unwrap();
         let eye = center + Vec3::new(0.2, 0.1, 5.0) * scale * away;
-        // Through middles, corners and edges: at a corner a ray touches the very corner of a box.
+        // Rays go through middles, corners and edges. At a corner a ray touches the corner of a box.
         let targets = scene.triangles().iter().flat_map(|triangle| {
             let [a, b, c] = triangle.corners;
             [(a + b + c) / 3.0, a, b, 0.5 * (a + b), 0.5 * (b + c)]
@@ -189,7 +189,7 @@ fn rays_from_many_points_close_to_a_large_ground_meet_it_where_it_is() {
             worst = worst.max((f64::from(hit.t) / t - 1.0).abs());
         }
     }
-    // Measured 1.2e-7; 2.3e-3 by kernels that don't look at large triangles again.
+    // Measured 1.2e-7. With kernels that don't recompute hits on large triangles it was 2.3e-3.
     assert!(worst < 5e-7, "{worst:e}");
 }
 
@@ -198,7 +198,7 @@ fn one_renderer_casts_for_several_threads() {
     let scene = RandomScene::default().build();
     let mut random = Random::new(3);
     let rays: Vec<Ray> = (0..1000).map(|_| Ray::new(3.0 * Vec3::Z, random.point(1.0) - Vec3::Z)).collect();
-    // A new one: both threads ask for kernels that nobody has built.
+    // With a new renderer, both threads request kernels that are not built yet.
     let renderer = Renderer::new(gpu());
     let uploaded = renderer.upload(&scene).wait().unwrap();
     let cast = || {

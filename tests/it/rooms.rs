@@ -1,4 +1,4 @@
-//! The rooms of src/: each imports only rooms below it.
+//! Tests that each module of src/ (a room) imports only modules below it.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -6,12 +6,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The rooms and the single files of src/, from the ground up.
+/// The modules and single files of src/, from the lowest to the highest.
 const FLOORS: [&str; 20] = [
     "message", "error", "random", "srgb", "ask", "view", "scene", "gpu", "import", "kernel", "accel", "frame", "steps",
     "methods", "sampling", "render", "truth", "output", "blocking", "testing",
 ];
-/// What stands above all rooms.
+/// Files above all modules.
 const ROOF: [&str; 2] = ["lib", "guide"];
 
 fn files(folder: &Path) -> Vec<PathBuf> {

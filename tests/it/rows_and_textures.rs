@@ -1,4 +1,4 @@
-//! Rows as they are done, and views that stay on the device: what whole pairs show.
+//! Tests rows that are read as they are finished, and views that stay on the device: they show the same as whole pairs.
 
 use crate::common;
 
@@ -8,7 +8,7 @@ use stereotrace::{
     StereoCamera, View, Visibility, blocking::Wait, glam::Vec3, wgpu,
 };
 
-/// Two bands of 64 rows, and 30 rows more.
+/// Returns a camera whose picture has two bands of 64 rows, and 30 rows more.
 fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO)
         .screen_distance(5.0)
@@ -83,7 +83,7 @@ fn one_eye_is_a_rig_too() {
     assert_eq!(mono.views[0].method, Method::Naive);
 }
 
-/// The texels of a texture of four bytes each.
+/// Returns the texels of a texture with four bytes per texel.
 fn texels(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<[u8; 4]> {
     let (width, height) = (texture.width(), texture.height());
     let row = (4 * width).next_multiple_of(256);
@@ -135,7 +135,7 @@ fn encoded_views_are_those_that_are_read_back() {
             let encoded = renderer.views(uploaded, &rig).options(&options).encode(&mut encoder).wait().unwrap();
             let (by_bands, commands) = renderer.views(uploaded, &rig).options(&options).encode_bands().wait().unwrap();
             assert_eq!(commands.len(), 3, "{method}");
-            // Another frame in between, of another size: what was encoded keeps what it needs.
+            // Another frame of another size is rendered in between. The encoded frame must keep its resources.
             let other = camera().size(50, 41);
             renderer.pair(uploaded, &other).options(&Options::new(Method::BRACKET)).read().wait().unwrap();
             gpu.queue().submit([encoder.finish()]);
@@ -156,7 +156,7 @@ fn encoded_views_are_those_that_are_read_back() {
     }
 }
 
-/// Nothing to hit, but light of several parts, whose uniforms each band has.
+/// The scene has nothing to hit, but light of several parts, whose uniforms each band has.
 #[test]
 fn a_sky_alone_is_encoded_whole_in_every_band() {
     let gpu = gpu();

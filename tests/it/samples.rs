@@ -1,4 +1,5 @@
-//! Several samples a pixel, without jitter: against a picture with a pixel for each sample, filtered here in f64.
+//! Tests several samples per pixel without jitter, against a picture with a pixel for each sample, filtered here in
+//! f64.
 
 use crate::common;
 
@@ -17,7 +18,7 @@ use stereotrace::{
     wgpu,
 };
 
-/// Filters a picture of side x side samples a pixel, each pixel by itself.
+/// Filters a picture of side x side samples per pixel, each pixel separately.
 fn filtered(samples: &View, side: u32, filter: Filter) -> Vec<[f32; 3]> {
     let (width, height) = (samples.width / side, samples.height / side);
     let mut pixels = Vec::new();
@@ -44,7 +45,7 @@ fn srgb(linear: f32) -> f64 {
     255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Both the same but for the last digit of a sum.
+/// Checks that colours are equal up to the last digit of a sum.
 fn assert_colors(found: &View, expected: &[[f32; 3]], what: &str) {
     assert_eq!(found.linear.len(), expected.len(), "{what}");
     for (place, (color, expected)) in found.linear.iter().zip(expected).enumerate() {
@@ -58,7 +59,7 @@ fn assert_colors(found: &View, expected: &[[f32; 3]], what: &str) {
     }
 }
 
-/// What a picture's pixels show of depth and ids at their centres, if it is one of side x side samples a pixel.
+/// Returns the values at the pixels' centres, such as depths and ids, from a picture of side x side samples per pixel.
 fn centres<T: Copy>(samples: &View, side: u32, list: &[T]) -> Vec<T> {
     let (width, height) = (samples.width / side, samples.height / side);
     let places = (0..height).flat_map(|row| (0..width).map(move |column| [row, column]));
@@ -70,7 +71,7 @@ fn centres<T: Copy>(samples: &View, side: u32, list: &[T]) -> Vec<T> {
 
 #[test]
 fn filtered_pictures_are_those_of_the_finer_picture() {
-    // The finer pictures have several bands of 64 rows, and pixels whose samples stand in two of them.
+    // The finer pictures have several bands of 64 rows, and pixels with samples in two bands.
     let mut renderer = renderer();
     let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
     for (side, size) in [(2, [2051, 71]), (3, [1367, 47])] {
@@ -88,13 +89,14 @@ fn filtered_pictures_are_those_of_the_finer_picture() {
                 let what = format!("{side} {filter}");
                 assert_eq!([found.width, found.height], size);
                 assert_colors(found, &filtered(finer, side, filter), &what);
-                // Even grids have no sample in a pixel's centre: there a ray of its own is.
+                // Even grids have no sample in a pixel's centre, so a separate ray is traced there.
                 let expected = |finer: Vec<u32>, one: &[u32]| if side == 2 { one.to_vec() } else { finer };
                 let bits = |view: &View| Vec::from_iter(view.depth.iter().map(|depth| depth.to_bits()));
                 assert!(bits(found) == expected(centres(finer, side, &bits(finer)), &bits(one)), "{what}");
                 assert!(found.primitive == expected(centres(finer, side, &finer.primitive), &one.primitive), "{what}");
                 assert!(found.object == expected(centres(finer, side, &finer.object), &one.object), "{what}");
-                // The sample in the middle is the one sample's ray, but for the rounding of a step from pixel to pixel.
+                // The middle sample is the ray of a picture with one sample, except for the rounding of steps from
+                // pixel to pixel.
                 let other = found.primitive.iter().zip(&one.primitive).filter(|(a, b)| a != b).count();
                 assert!(other <= if side == 2 { 0 } else { 6 }, "{what}: {other}");
             }
@@ -104,7 +106,7 @@ fn filtered_pictures_are_those_of_the_finer_picture() {
             };
             assert_eq!(pair.statistics.left.rays.primary, own(u64::from(size[0] * size[1])));
             let sources = if side == 2 { one.source.clone() } else { centres(&samples.right, side, &samples.source) };
-            // Samples are searched as deep as the deepest of four tiles, so that fewer of them are traced.
+            // Samples are searched as deep as the deepest of four tiles, so fewer of them are traced.
             let as_before =
                 |(found, known): (&PixelSource, &PixelSource)| found == known || *found == PixelSource::Reused;
             assert!(pair.source.iter().zip(&sources).all(as_before), "{side} {filter}");
@@ -155,7 +157,7 @@ fn rows_that_are_handed_on_make_the_whole_views() {
             assert!(found == expected_rows, "{samples} {index}");
             assert_eq!(view.source.len(), 1051 * 77);
             assert_eq!(view.view.depth.is_empty(), g_buffer == GBuffer::None);
-            // What pixels cost is all that was counted.
+            // The costs of the pixels add up to everything that was counted.
             assert!(cost == view.view.cost);
             let sum: u64 = cost.iter().map(|&cost: &u32| u64::from(cost)).sum();
             assert_eq!(sum, view.work.nodes + view.work.primitive_tests, "{samples} {index}");
@@ -196,7 +198,8 @@ fn every_method_is_filtered_and_exact_ones_stay_exact() {
     }
 }
 
-/// A wall at the screen, left of `x` and below `y`, lit by ambient light alone, so that it is white, before black.
+/// Returns a wall at the screen, left of `x` and below `y`, before black. It is lit by ambient light alone, so it is
+/// white.
 fn half_planes(x: f32, y: f32) -> Scene {
     let mut scene = Scene::new();
     let white = scene.add_material(Material::new(Vec3::ONE));
@@ -215,7 +218,7 @@ fn straight(width: u32, height: u32) -> StereoCamera {
 #[test]
 fn a_box_is_the_share_of_samples_that_an_edge_covers() {
     let mut renderer = renderer();
-    // 40 pixels of 0.1; edges at column 23.43 and row 14.71: no sample stands there.
+    // The picture has 40 pixels of 0.1 units. The edges are at column 23.43 and row 14.71, where no sample is.
     let uploaded = renderer.upload(&half_planes(0.343, 0.529)).wait().unwrap();
     for side in 2..=8_u32 {
         let options = Options::new(Method::Naive).samples(side * side).jitter(false).linear(true);
@@ -240,7 +243,7 @@ fn constants_stay_constant_and_edges_where_they_are() {
     let mut empty = Scene::new();
     empty.sky = Sky::Constant(Vec3::new(0.3, 0.7, 0.01));
     let empty = renderer.upload(&empty).wait().unwrap();
-    // Edges in the middle of the picture, which is a column's and a row's.
+    // The edges are in the middle of the picture, which is in a column and in a row.
     let edges = renderer.upload(&half_planes(0.0, 0.0)).wait().unwrap();
     for (&filter, side) in Filter::ALL.iter().flat_map(|filter| (1..=5_u32).map(move |side| (filter, side))) {
         let options = Options::new(Method::Naive).samples(side * side).filter(filter).jitter(false).linear(true);
@@ -252,7 +255,7 @@ fn constants_stay_constant_and_edges_where_they_are() {
         if side == 1 {
             continue;
         }
-        // What is mirrored at the edge adds to 1: half a sample aside it would not.
+        // A pixel and its mirror image at the edge add up to 1. With an offset of half a sample they would not.
         let light = renderer.pair(&edges, &straight(20, 20)).options(&options).read().wait().unwrap().left.linear;
         for pixel in 0..20 {
             let ([right, left], [above, below]) =
@@ -268,7 +271,7 @@ fn constants_stay_constant_and_edges_where_they_are() {
 #[test]
 fn a_ramp_stays_the_ramp() {
     let mut renderer = renderer();
-    // The sky is linear in the sine of the angle; a narrow picture of it is as good as straight.
+    // The sky is linear in the sine of the angle, so a narrow picture of it is nearly linear.
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::ZERO, zenith: Vec3::ONE };
     let uploaded = renderer.upload(&scene).wait().unwrap();
@@ -341,7 +344,7 @@ fn one_sample_is_the_picture_without_any() {
     assert!(usual == one);
     let four = render(&options.clone().samples(4));
     assert!(four.left.linear.is_empty() && four.left.rgba8.len() == 61 * 40);
-    // All that is made of a pair takes it as any other.
+    // All outputs of a pair accept it like any other pair.
     assert_eq!(four.anaglyph(Anaglyph::Dubois).width, 61);
     assert_eq!(four.packed(Packing::SideBySide).width, 122);
 }

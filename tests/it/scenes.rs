@@ -1,4 +1,4 @@
-//! Real meshes, where they have been unpacked: against obvhs's own traversal, and by their triangle counts.
+//! Tests real meshes, if they are unpacked: against obvhs's own traversal, and by their triangle counts.
 
 use crate::common;
 
@@ -20,14 +20,14 @@ use stereotrace::{
     testing::cpu::{Eye, Frame, intersect::intersect_triangle},
 };
 
-/// The folder of unpacked scenes with this one in it, or a word on how to get it.
+/// Returns the folder of unpacked scenes if this one is in it, or prints how to get it.
 fn find(name: &str) -> Option<PathBuf> {
     let fallback = || concat!(env!("CARGO_MANIFEST_DIR"), "/target/scenes").into();
     let folder: PathBuf = std::env::var_os("STEREOTRACE_SCENES").map_or_else(fallback, PathBuf::from);
     if folder.join(name).join(format!("{name}.obj")).is_file() {
         return Some(folder);
     }
-    // Not through println: the test harness would keep it to itself.
+    // The test harness would hide output of println.
     let folder = folder.display();
     let _ = writeln!(
         std::io::stderr(),
@@ -36,8 +36,8 @@ fn find(name: &str) -> Option<PathBuf> {
     None
 }
 
-/// obvhs's tree and traversal, with our triangle test as its closure. Its box test has no margin, so now and then it
-/// loses a hit at a box's very edge.
+/// obvhs's tree and traversal, with the library's triangle test as its closure. Its box test has no margin, so it
+/// sometimes loses a hit at the very edge of a box.
 struct Theirs<'a> {
     scene: &'a Scene,
     tree: Bvh2,
@@ -54,7 +54,7 @@ impl<'a> Theirs<'a> {
         Self { scene, tree }
     }
 
-    /// Where the ray's nearest hit lies, `t_max` or infinite without one.
+    /// Returns t of the ray's nearest hit, or `t_max` or infinity for a miss.
     fn closest(&self, origin: Vec3, direction: Vec3, t_min: f32, t_max: f32) -> f32 {
         let intersect = |index: usize| {
             let triangle = &self.scene.triangles()[self.tree.primitive_indices[index] as usize];
@@ -64,7 +64,7 @@ impl<'a> Theirs<'a> {
         let ray = ray::Ray::new(origin.into(), direction.into(), t_min, t_max);
         let mut hit = ray::RayHit::none();
         self.tree.ray_traverse(ray, &mut hit, |_, index| intersect(index));
-        hit.t.min(t_max) // infinite where the ray misses the whole tree, else its t_max
+        hit.t.min(t_max) // infinite if the ray misses the whole tree, else at most its t_max
     }
 }
 
@@ -95,7 +95,7 @@ fn check(name: &str, triangles: usize) {
     }
 }
 
-/// Every pixel of both views.
+/// Checks every pixel of both views.
 fn check_views(theirs: &Theirs<'_>, pair: &StereoPair) {
     let frame = Frame::new(&pair.pose);
     let [width, height] = frame.size();
@@ -115,14 +115,14 @@ fn check_views(theirs: &Theirs<'_>, pair: &StereoPair) {
     assert!(hits > width * height / 2, "{hits}");
 }
 
-/// Every third pixel of the left view: column, row and depth.
+/// Returns every third pixel of the left view: column, row and depth.
 fn samples(pair: &StereoPair) -> impl Iterator<Item = (usize, usize, f32)> + '_ {
     let [width, height] = pair.pose.size.map(|side| side as usize);
     let pixels = (0..height).flat_map(move |row| (0..width).map(move |column| (column, row))).step_by(3);
     pixels.map(move |(column, row)| (column, row, pair.left.depth[row * width + column].min(1e5)))
 }
 
-/// Intervals around the left eye's hits, seen from the right one.
+/// Checks intervals around the left eye's hits, seen from the right eye.
 fn check_intervals(renderer: &mut Renderer, uploaded: &UploadedScene, theirs: &Theirs<'_>, pair: &StereoPair) {
     let frame = Frame::new(&pair.pose);
     let right = frame.eye(Eye::Right);
@@ -136,11 +136,11 @@ fn check_intervals(renderer: &mut Renderer, uploaded: &UploadedScene, theirs: &T
         t != theirs.closest(right, ray.direction, ray.t_min, ray.t_max)
     };
     let differing = found.iter().zip(&intervals).filter(differs).count();
-    // Measured 0 of 10,117 on both.
+    // Measured 0 of 10,117 on both scenes.
     assert!(differing <= 1, "{differing} of {} interval rays differ from obvhs's", found.len());
 }
 
-/// Shadow rays from a light to the left eye's hits.
+/// Checks shadow rays from a light to the left eye's hits.
 fn check_shadows(
     renderer: &mut Renderer,
     uploaded: &UploadedScene,
@@ -157,7 +157,7 @@ fn check_shadows(
     let occluded = |ray: &Ray| theirs.closest(origin, ray.direction, 0.0, ray.t_max) < ray.t_max;
     let differing = found.iter().zip(&rays).filter(|(found, ray)| **found != occluded(ray)).count();
     let dark = found.iter().filter(|occluded| **occluded).count();
-    // Measured 0 of 10,117 on both, for both lights.
+    // Measured 0 of 10,117 on both scenes, for both lights.
     assert!(differing <= 1, "{differing} of {} shadow rays differ from obvhs's", found.len());
     assert!(dark > 100 && dark < found.len(), "{dark}");
 }
@@ -172,11 +172,11 @@ fn the_dragon_is_hit_as_by_obvhs() {
     check("dragon", 871_414);
 }
 
-/// Whether red, green and blue are a colour of some name.
+/// Returns whether red, green and blue are a colour of some name.
 type IsColor = fn([i32; 3]) -> bool;
 
-/// A textured mesh from the file's camera under five lights: what it shows, and that `bracket` shows the same. Measured
-/// 100% of the cow and 99.94% of Sponza.
+/// Checks the colours of a textured mesh from the file's camera under five lights, and that `bracket` shows the same.
+/// Measured: 100% of the cow and 99.94% of Sponza are identical.
 fn check_textured(name: &str, colors: &[(&str, IsColor)], least_identical: f64) {
     let Some(folder) = find(name) else { return };
     let options = SceneOptions::default().crease_angle(Some(30.0));

@@ -1,4 +1,4 @@
-//! Shadow-buffers: where directions stand in them, and what points make of them, against shadow rays.
+//! Tests shadow-buffers: the position of directions in them, and the visibility of points, against shadow rays.
 
 use crate::common;
 
@@ -18,7 +18,7 @@ use stereotrace::{
 fn poles_seam_and_axes_stand_where_the_closed_form_says() {
     let mapping = Mapping::whole(400);
     assert_eq!((mapping.rows, mapping.columns), (400, 800));
-    // Direction, theta, phi: those of the axes, and both sides of the seam at phi = 0.
+    // The entries are direction, theta and phi, for the axes and for both sides of the seam at phi = 0.
     let just = 1e-4_f64;
     for (direction, theta, phi) in [
         (DVec3::Z, 0.0, None),
@@ -37,7 +37,7 @@ fn poles_seam_and_axes_stand_where_the_closed_form_says() {
     }
 }
 
-/// Eight octants by the signs of a direction, told from its place alone.
+/// The eight octants of directions, by their signs, can be told apart by the position alone.
 #[test]
 fn octants_are_told_apart_by_row_and_column() {
     let mapping = Mapping::whole(64);
@@ -102,8 +102,8 @@ fn shadow_rays(pair: &StereoPair) -> u64 {
     pair.statistics.left.rays.shadow + pair.statistics.right.rays.shadow
 }
 
-/// The paper's rule on the paper's scene, whose objects are convex: what differs from shadow rays lies within a texel
-/// of a shadow's edge, or of the object's own rim as the light sees it.
+/// Tests the paper's rule on the paper's scene, whose objects are convex. Differences from shadow rays lie within a
+/// texel of a shadow's edge, or of an object's own rim as the light sees it.
 #[test]
 fn by_the_paper_s_rule_convex_objects_shadows_are_within_a_texel_of_the_traced_ones() {
     let (scene, camera) = (Builtin::ThreeSpheres.scene(), Builtin::ThreeSpheres.camera(160, 120));
@@ -135,8 +135,8 @@ fn by_the_paper_s_rule_convex_objects_shadows_are_within_a_texel_of_the_traced_o
     }
 }
 
-/// Whether the light sees the pixel's object in some of the directions within a texel of the pixel's point, and
-/// something else in others.
+/// Returns whether a texel's range of directions around the pixel's point has both the pixel's object and other
+/// surfaces, as the light sees it.
 fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usize, texel: f64) -> bool {
     let frame = cpu::Frame::new(&camera.pose().unwrap());
     let (column, row) = (index % view.width as usize, index / view.width as usize);
@@ -144,7 +144,7 @@ fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usi
     let light = scene.lights[0].position.as_vec3();
     let straight = (point - light).as_dvec3().normalize();
     let seen = |theta: f64, phi: f64| {
-        // About the direction, by polar angles around it.
+        // These directions are around the straight one, by polar angles.
         let aside = straight.any_orthonormal_vector();
         let turned = aside * phi.cos() + straight.cross(aside) * phi.sin();
         let direction = (straight * theta.cos() + turned * theta.sin()).as_vec3();
@@ -161,16 +161,16 @@ fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usi
     kinds == [true, true]
 }
 
-/// Pixels of both views, 200x150, by 200 rows, that do not show what they do by shadow rays. Without a margin there are
-/// none (far off 15 were measured); with the usual one as many as were measured on llvmpipe, and a third more and 10
-/// besides are allowed.
+/// Counts the pixels of both views, 200x150 by 200 rows, that differ from shadow rays. Without a margin there are none,
+/// except 15 measured in the far-off scene. With the default margin, the bound is the number measured on llvmpipe, plus
+/// a third and 10.
 fn assert_hybrid<'a>(scenes: impl Iterator<Item = (&'a str, Scene, StereoCamera, usize)>) {
     let mut renderer = renderer();
     let mut worse = Vec::new();
     for (name, scene, camera, measured) in scenes {
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let truth = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
-        // Far off f32 does not tell points from their surfaces.
+        // Far from the origin, f32 does not separate points from their surfaces.
         let exact = if name == Trial::FarOff.name() { 25 } else { 0 };
         for (margin, most) in [(0.0, exact), (0.1, measured + measured / 3 + 10)] {
             let pair = renderer
@@ -206,7 +206,7 @@ fn hybrid_shadows_of_built_in_scenes_are_as_good_as_measured() {
     );
 }
 
-/// Of each of the trials, in their order.
+/// Measured number for each of the trials, in their order.
 const OF_TRIALS: [usize; 22] = [2, 0, 1, 1, 0, 2, 0, 2, 0, 0, 1029, 1, 410, 0, 190, 0, 1, 0, 31, 0, 0, 3];
 
 #[test]
@@ -216,7 +216,7 @@ fn hybrid_shadows_of_hard_scenes_are_as_good_as_measured() {
     assert_hybrid(trials.map(|(trial, measured)| (trial.name(), trial.scene(), trial.camera(200, 150), measured)));
 }
 
-/// Both eyes ask the same tables by the same rule, whatever makes the second one.
+/// Both eyes query the same tables by the same rule, with every method for the second view.
 #[test]
 fn methods_views_and_samples_ask_them_too() {
     let (scene, camera) = (Builtin::Near.scene(), Builtin::Near.camera(120, 90));
@@ -271,7 +271,7 @@ fn methods_views_and_samples_ask_them_too() {
     }
 }
 
-/// Pixels of both views, 96x72, that do not show what they do by rays, without a margin.
+/// Checks that no pixel of both views, 96x72, differs from rays without a margin.
 fn assert_exact(what: &str, scene: &Scene, camera: StereoCamera, rows: u32) {
     let mut renderer = renderer();
     let uploaded = renderer.upload(scene).wait().unwrap();
@@ -287,7 +287,7 @@ fn add_quad(scene: &mut Scene, corners: [Vec3; 4]) {
     scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
 }
 
-/// The far side of a ball faces a light beyond it too, where an eye is within the ball or sees through it.
+/// The far side of a ball faces a light beyond it. It is visible if an eye is within the ball or sees through it.
 #[test]
 fn the_far_side_of_a_ball_is_dark() {
     let ball = |opacity| {
@@ -302,7 +302,8 @@ fn the_far_side_of_a_ball_is_dark() {
     assert_exact("a veil", &ball(0.5), StereoCamera::look_at(3.0 * Vec3::Z, Vec3::ZERO), 200);
 }
 
-/// Where the planes through the light and a triangle's edges round most, and where a triangle's own plane does.
+/// Tests where the planes through the light and a triangle's edges have the largest rounding errors, and where a
+/// triangle's own plane has them.
 #[test]
 fn lights_close_to_corners_and_to_large_triangles_are_exact() {
     for seed in 0..6_u8 {
@@ -343,8 +344,8 @@ fn bands_change_no_picture() {
     assert!(pair.left == naive.left && pair.right == naive.right);
 }
 
-/// What a margin lets be lit is lit whoever asks beside it: kernels append to lists in any order, so that lanes hold
-/// other points in each run.
+/// A point within the margin is lit regardless of the other points in its lane. Kernels append to lists in any order,
+/// so that lanes hold other points in each run.
 #[test]
 fn which_points_share_a_lane_changes_no_picture() {
     let camera = Builtin::Hall.camera(700, 350);
@@ -362,7 +363,7 @@ fn which_points_share_a_lane_changes_no_picture() {
     assert_eq!((differing(&alone.left, &together.left), differing(&alone.right, &together.right)), (0, 0));
 }
 
-/// A change of a scene, with its name and how it is followed.
+/// A change of a scene, with its name and the kind of update.
 type Change = (&'static str, fn(&mut Scene), Update);
 
 #[test]

@@ -1,5 +1,5 @@
-//! The sky as a light: against closed forms, against sums over its pixels in double precision, and methods against each
-//! other.
+//! Tests the sky as a light: against closed forms, against sums over its pixels in double precision, and methods
+//! against each other.
 
 use crate::common;
 
@@ -36,7 +36,7 @@ fn a_surface_shows_its_albedo_under_a_sky_of_one() {
     let at_floor = StereoCamera::look_at(Vec3::new(10.0, 3.0, 0.0), Vec3::X * 12.0).size(33, 33);
     for (mut scene, camera, albedo) in [(ball, at_ball, albedo), (floor(), at_floor, Vec3::ONE)] {
         scene.sky = Sky::Constant(sky);
-        // What would be added to it if it were.
+        // Ambient light would be added to the sky's light if it were not replaced.
         scene.ambient = Some(Vec3::splat(0.4));
         let uploaded = renderer.upload(&scene).wait().unwrap();
         for rays in [1, 3, 4, 16, 31, 32] {
@@ -52,7 +52,7 @@ fn a_surface_shows_its_albedo_under_a_sky_of_one() {
         }
     }
     let mut scene = floor();
-    // Between the floor and the sky nothing comes from below the horizon.
+    // The floor receives nothing from the sky below the horizon.
     scene.sky = Sky::Gradient { nadir: Vec3::splat(9.0), zenith: Vec3::ZERO };
     let flat = light_on_floor(&scene, &lit(32), 2.0, 32);
     let (largest, rms) = errors(&flat, |_, _| 9.0 * (0.5 - 1.0 / 3.0));
@@ -84,7 +84,7 @@ fn a_gradient_lights_a_ball_by_its_closed_form() {
             }
             let d = frame.direction(stereotrace::testing::cpu::Eye::Left, index % 40, index / 40);
             let normal = camera.pose().unwrap().eye + d.as_dvec3() * f64::from(depth);
-            // The integral of (1 + y) / 2 times the cosine, over pi: y is 2/3 of the normal's in the mean.
+            // This is the integral of (1 + y) / 2 times the cosine, over pi. The mean of y is 2/3 of the normal's y.
             let form = nadir.as_dvec3().lerp(zenith.as_dvec3(), 0.5 + normal.y / 3.0);
             let mean = if seed == 0 { *sum * f64::from(seeds) } else { *sum };
             if seed == 0 {
@@ -100,7 +100,7 @@ fn a_gradient_lights_a_ball_by_its_closed_form() {
     assert!(count > 400 && first < 0.03 && many < 0.005, "{first} {many} {count}");
 }
 
-/// What a wall beside a floor leaves of the sky: half, wherever one stands before it.
+/// Tests a wall beside a floor: it leaves half of the sky, at any distance from it.
 #[test]
 fn a_wall_without_end_keeps_half_of_the_sky_off() {
     let mut scene = floor();
@@ -129,7 +129,7 @@ fn a_wall_without_end_keeps_half_of_the_sky_off() {
     half_of(&scene, 1.0, 8, [0.004, 0.05]);
 }
 
-/// Of 16 rays by the cosine alone, spread as the kernels spread them: the root mean square error over random shifts.
+/// Returns the root mean square error over random shifts of 16 rays by the cosine alone, spread as in the kernels.
 fn noise_by_cosine(sky: &Shown, light: f64) -> f64 {
     let mut random = Random(3);
     let shifts = 4096;
@@ -157,7 +157,7 @@ fn a_sun_of_one_pixel_lights_by_its_angle_and_makes_little_noise() {
     let mut scene = floor();
     scene.sky = Sky::Map(sun.map());
     let brute = sun.light(DVec3::Y, 16, |_| true).x;
-    // Radiance, angle and cosine of the pixel: what bilinear colours spread is as much.
+    // This is the pixel's radiance times its solid angle and cosine. Bilinear interpolation keeps the sum.
     let down = (row as f64 + 0.5) / height as f64 * PI;
     let form = 1000.0 * (2.0 * PI * PI / (width * height) as f64 * down.sin()) * down.cos() / PI;
     assert!((brute / form - 1.0).abs() < 0.002, "{brute} {form}");
@@ -199,7 +199,7 @@ fn a_map_lights_a_floor_beside_a_ball_as_the_sum_over_its_pixels() {
 
 #[test]
 fn maps_are_weighed_wherever_their_pixels_stand() {
-    // The larger one is uploaded in pieces, and begins and ends within rows of the texture.
+    // The larger map is uploaded in pieces, which begin and end within rows of the texture.
     for sky in [noisy(64, 32), noisy(2050, 1025)] {
         let expected = sky.light(DVec3::Y, 1, |_| true).x;
         let mut scene = floor();
@@ -211,7 +211,7 @@ fn maps_are_weighed_wherever_their_pixels_stand() {
             let camera = StereoCamera::look_at(Vec3::new(0.0, 2.0, 0.1), Vec3::ZERO).size(24, 24);
             let mut uploaded = renderer.upload(&scene).wait().unwrap();
             let options = lit(32).linear(true);
-            // A frame by ambient light first, which must not be changed by what comes after.
+            // A frame by ambient light comes first. Later frames must not change it.
             let plain = renderer.pair(&uploaded, &camera).options(&naive().linear(true)).read().wait().unwrap();
             let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
             assert!(
@@ -221,7 +221,7 @@ fn maps_are_weighed_wherever_their_pixels_stand() {
                         &plain
                     )
             );
-            // The table stays, or moves to make room for a light.
+            // The table stays in place, or moves to make room for a light.
             renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
             assert!(pair.left == renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap().left);
             let mut with_light = scene.clone();
@@ -239,7 +239,7 @@ fn maps_are_weighed_wherever_their_pixels_stand() {
     }
 }
 
-/// The same pair with another's times, which differ.
+/// Returns the pair with the times of another pair, since times differ.
 fn without_times(pair: StereoPair, other: &StereoPair) -> StereoPair {
     let mut pair = pair;
     pair.statistics.times.clone_from(&other.statistics.times);
@@ -260,7 +260,8 @@ fn black_skies_light_nothing_and_mirrors_show_what_the_sky_lights() {
             assert!(light_on_floor(&scene, &lit(rays), 2.0, 1).iter().all(|[.., light]| *light == 0.0));
         }
     }
-    // Black but for a row: all that is drawn by brightness comes from there. As bright as f32 holds.
+    // The map is black except for a row, so all rays drawn by brightness come from there. The row is as bright as f32
+    // allows.
     for bright in [1.0, 1e-30, 1e30] {
         let row = |index: usize| Vec3::splat(if (32..48).contains(&index) { bright } else { 0.0 });
         let banded = Shown { width: 16, height: 8, pixels: (0..128).map(row).collect() };
@@ -277,13 +278,13 @@ fn black_skies_light_nothing_and_mirrors_show_what_the_sky_lights() {
     scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).materials(vec![mirror; 2])).unwrap();
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).wait().unwrap();
-    // From above the far mirror, onto the floor's edge before it: hardly anything of the sky is hidden.
+    // The camera looks from above the far mirror onto the floor's edge before it, where hardly any sky is hidden.
     let camera = StereoCamera::look_at(Vec3::new(0.0, 3.0, -3e4 + 8.0), Vec3::new(0.0, 3.0, -3e4)).size(9, 9);
     let pair = renderer.pair(&uploaded, &camera).options(&lit(32).linear(true)).read().wait().unwrap();
     assert!(pair.left.linear.iter().all(|color| (color[0] - 0.5).abs() < 1e-5), "{:?}", pair.left.linear);
 }
 
-/// Balls, boxes or a hall under a sky with a sun, and a light with a penumbra.
+/// Returns balls, boxes or a hall under a sky with a sun, and a light with a penumbra.
 fn stage(builtin: Builtin, sky: Sky) -> (Scene, StereoCamera) {
     let mut scene = builtin.scene();
     scene.lights.truncate(2);

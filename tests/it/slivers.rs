@@ -1,5 +1,5 @@
-//! Slivers, needles and walls seen edge-on, and edges that point at the eye, where f32's edge products are rounding
-//! alone: no hit beside the triangle, and every method sees the same.
+//! Tests slivers, needles, walls seen edge-on, and edges that point at the eye. f32's edge products are rounding errors
+//! alone there. No ray may hit a triangle that it misses, and every method must see the same.
 
 use crate::common;
 use crate::truth;
@@ -15,27 +15,27 @@ use truth::Truth;
 
 const WIDTH: u32 = 120;
 const HEIGHT: u32 = 90;
-/// A hit may lie this far beside the triangle's true projection, in pixels.
+/// Maximum distance of a hit from the triangle's true projection, in pixels.
 const BESIDE: f64 = 0.01;
 
-/// What makes an edge's product vanish.
+/// Reason why an edge's product vanishes.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    /// Large triangles whose plane holds the eye, to f32's last bit.
+    /// Large triangles whose plane contains the eye, to f32's last bit.
     Walls,
-    /// The same in planes level with an axis, where nothing is rounded.
+    /// The same in axis-aligned planes, where nothing is rounded.
     LevelWalls,
-    /// Strips a thousand to ten million times longer than wide, whose plane holds the eye.
+    /// Strips a thousand to ten million times longer than wide, whose plane contains the eye.
     Slivers,
-    /// Strips as thin that lie in any plane.
+    /// Equally thin strips in any plane.
     Needles,
-    /// Triangles of which rounding alone makes more than a line, anywhere.
+    /// Triangles anywhere that differ from a line by rounding alone.
     Lines,
     /// Triangles with an edge that points at the eye.
     EdgesAtTheEye,
-    /// Strips as thin that point at the eye.
+    /// Equally thin strips that point at the eye.
     NeedlesAtTheEye,
-    /// Triangles of which rounding alone makes more than a line that points at the eye.
+    /// Triangles that differ from a line by rounding alone, where the line points at the eye.
     LinesAtTheEye,
 }
 
@@ -51,7 +51,7 @@ const KINDS: [Kind; 8] = [
 ];
 
 impl Kind {
-    /// Two triangles that share an edge; `toward` is a random direction into the picture.
+    /// Returns two triangles that share an edge. `toward` is a random direction into the picture.
     fn corners(self, eye: Vec3, scale: f32, random: &mut Random) -> [Vec3; 4] {
         let mut toward = || (Vec3::new(0.45, 0.33, 0.0) * random.point(1.0) - Vec3::Z).normalize();
         let (first, second) = (toward(), toward());
@@ -59,7 +59,7 @@ impl Kind {
         let across = first.cross(random.point(1.0)).normalize();
         let length = random.between(0.5, 4.0) * scale;
         let thin = 10.0_f32.powf(random.between(-7.0, -3.0)) * length;
-        // Strips: from a corner along, and aside.
+        // A strip begins at a corner and extends along one vector and aside by another.
         let strip = |from: Vec3, along: Vec3, aside: Vec3| [from, from + aside, from + along + aside, from + along];
         match self {
             Self::Walls => [eye + near * first, eye + near * second, eye + far * second, eye + far * first],
@@ -79,7 +79,7 @@ impl Kind {
         }
     }
 
-    /// Before a wall that fills the picture; every eye has slivers of its own.
+    /// Returns a scene before a wall that fills the picture, with separate slivers for each eye.
     fn scene(self, pose: &Pose, scale: f32, random: &mut Random) -> Scene {
         let mut scene = Scene::new();
         let back = [(-30.0, -30.0), (30.0, -30.0), (30.0, 30.0), (-30.0, 30.0)];
@@ -95,7 +95,7 @@ impl Kind {
     }
 }
 
-/// A camera at a place whose coordinates round.
+/// Returns a camera at a position whose coordinates are rounded.
 fn camera(scale: f32, offset: f32) -> StereoCamera {
     let eye = Vec3::new(0.137, -0.291, 0.713) * scale + offset * Vec3::new(1.0, 0.4, -0.7);
     StereoCamera::look_at(eye, eye - 6.0 * scale * Vec3::Z)
@@ -104,7 +104,7 @@ fn camera(scale: f32, offset: f32) -> StereoCamera {
         .interaxial_pixels(6.0)
 }
 
-/// A view's plane in double precision: pixels from the middle, and depth.
+/// Projection of a view in double precision: pixels from the picture's middle, and depth.
 struct Projection {
     axes: [DVec3; 3],
     pixels: f64,
@@ -125,11 +125,11 @@ impl Projection {
         seen.truncate() / seen.z * self.pixels
     }
 
-    /// How far a ray passes beside a triangle, in pixels.
+    /// Returns the distance by which a ray misses a triangle, in pixels.
     fn beside(&self, direction: Vec3, corners: [Vec3; 3]) -> f64 {
         let ray = self.pixel(self.seen_from_eye(direction.as_dvec3()));
         let corners = corners.map(|corner| self.seen_from_eye(corner.as_dvec3() - self.eye));
-        // What lies behind the eye is cut off a little before it.
+        // The part behind the eye is clipped a little before the eye.
         let near = 1e-3 * corners.iter().fold(0.0_f64, |far, corner| far.max(corner.length()));
         let mut outline = Vec::new();
         for (from, to) in [(0, 1), (1, 2), (2, 0)].map(|(from, to)| (corners[from], corners[to])) {
@@ -156,13 +156,13 @@ impl Projection {
 
 #[derive(Debug, Default, PartialEq)]
 struct Faults {
-    /// Pixels that show a triangle which their ray passes by.
+    /// Number of pixels that show a triangle which their ray misses.
     beside: usize,
-    /// Pixels with a depth outside the range of the triangle's corners.
+    /// Number of pixels with a depth outside the range of the triangle's corners.
     depths: usize,
-    /// Pixels that do not show what their ray hits by a margin.
+    /// Number of pixels that do not show the surface which their ray hits by a margin.
     lost: usize,
-    /// Pixels in which a method differs from `naive`.
+    /// Number of pixels in which a method differs from `naive`.
     methods: [usize; 3],
 }
 
@@ -183,9 +183,9 @@ fn judge(scene: &Scene, truth: &Truth, pose: &Pose, view: &View, eye: Eye, fault
             faults.depths += usize::from(depth < low * (1.0 - 1e-5) || depth > high * (1.0 + 1e-5));
         }
         if found == expected || depth < t * (1.0 + 1e-5) {
-            continue; // Something nearer is the first test's matter.
+            continue; // A nearer surface is tested by the first test.
         }
-        // The margin: rays a hundredth of a pixel beside hit it too.
+        // With the margin, rays a hundredth of a pixel beside also hit the surface.
         let pixel = 1.0 / projection.pixels;
         let around = [(BESIDE, 0.0), (-BESIDE, 0.0), (0.0, BESIDE), (0.0, -BESIDE)].map(|(x, y)| {
             let aside = projection.axes[0] * (x * pixel) + projection.axes[1] * (y * pixel);
@@ -240,7 +240,7 @@ fn no_hit_lies_beside_its_triangle_and_all_methods_see_the_same() {
     assert!(red.is_empty(), "{} scenes are wrong:\n{}", red.len(), red.join("\n"));
 }
 
-/// The measure itself, by a triangle whose projection is known.
+/// Tests the measure itself, by a triangle whose projection is known.
 #[test]
 fn a_ray_beside_a_triangle_is_measured_in_pixels() {
     let camera = StereoCamera::look_at(Vec3::ZERO, -Vec3::Z).size(100, 100).screen_width(2.0).interaxial(0.0);
@@ -252,14 +252,15 @@ fn a_ray_beside_a_triangle_is_measured_in_pixels() {
         let beside = projection.beside(Vec3::new(x, y, -1.0), corners);
         assert!((beside - expected).abs() < 1e-4, "({x}, {y}): {beside} for {expected}");
     }
-    // Seen edge-on it is a line; and a corner behind the eye changes nothing on the other side.
+    // Seen edge-on, the triangle is a line. A corner behind the eye changes nothing on the other side.
     let edge_on = [Vec3::new(0.0, 0.1, -1.0), Vec3::new(0.0, 0.4, -1.0), Vec3::new(0.0, 0.2, -7.0)];
     assert!((projection.beside(Vec3::new(0.02, 0.2, -1.0), edge_on) - 1.0).abs() < 1e-4);
     let behind = [Vec3::new(0.0, 0.0, -1.0), Vec3::new(0.4, 0.0, -1.0), Vec3::new(0.0, 0.0, 3.0)];
     assert!((projection.beside(Vec3::new(-0.2, 0.1, -1.0), behind) - 125.0_f64.sqrt()).abs() < 0.1);
 }
 
-/// A column of sides far longer than wide: a hit's depth must not be rounded by the length of its triangle.
+/// Tests a column whose sides are far longer than wide. A hit's depth must not have rounding errors in proportion to
+/// the triangle's length.
 #[test]
 fn a_column_of_long_thin_sides_is_lit_as_in_double_precision_and_by_all_methods_alike() {
     const SIDES: u32 = 500;
@@ -296,7 +297,7 @@ fn a_column_of_long_thin_sides_is_lit_as_in_double_precision_and_by_all_methods_
     let depth = hit.iter().map(|&i| off(i)).fold(0.0, f64::max);
     let dark = hit.iter().filter(|&&i| apart(i)).count();
     println!("{} pixels: depths within {depth:.1e}, {dark} of another colour", hit.len());
-    // Measured: 2.8e-7 and none; by means of the corners' depths 8.1e-5 and 175.
+    // Measured: 2.8e-7 and none. Depths interpolated from the corners gave 8.1e-5 and 175.
     assert!(depth <= 1e-5, "{depth}");
     assert!(dark * 1000 <= 5 * hit.len(), "{dark} of {}", hit.len());
     assert!(rays.right.rgba8 == naive.right.rgba8 && rays.right.depth == naive.right.depth);

@@ -1,4 +1,4 @@
-//! Lights that are not points, and ambient occlusion: against closed forms, and methods against each other.
+//! Tests lights that are not points, and ambient occlusion: against closed forms, and methods against each other.
 
 use crate::common;
 
@@ -11,7 +11,7 @@ use stereotrace::{
     StereoPair, View, blocking::Wait, glam::Vec3, scene::builtin::Builtin, testing::suite::Trial,
 };
 
-/// The integral of h / r over a rectangle from the origin to (a, b) at the height h.
+/// Returns the integral of h / r over a rectangle from the origin to (a, b) at the height h.
 fn corner_integral(a: f64, b: f64, h: f64) -> f64 {
     let r = (a * a + b * b + h * h).sqrt();
     let edges = a * (b / (a * a + h * h).sqrt()).asinh() + b * (a / (b * b + h * h).sqrt()).asinh();
@@ -24,7 +24,7 @@ fn a_rectangle_lights_a_floor_by_its_closed_form() {
     let mut scene = floor();
     let sides = [Vec3::X * half_x as f32, Vec3::Z * half_z as f32];
     scene.lights.push(Light::rectangle(Vec3::Y * h as f32, sides[0], sides[1], Vec3::splat(0.9)));
-    // The mean of the cosine over the light's points.
+    // The form is the mean of the cosine over the light's points.
     let form = |x: f64, z: f64| {
         let part = |a: f64, b: f64| corner_integral(a.abs(), b.abs(), h) * a.signum() * b.signum();
         let [x0, x1, z0, z1] = [-half_x - x, half_x - x, -half_z - z, half_z - z];
@@ -38,7 +38,7 @@ fn a_rectangle_lights_a_floor_by_its_closed_form() {
     assert!(largest < 0.0035 && rms < 0.0008, "{largest} {rms}");
 }
 
-/// A floor with a wall of no thickness, a plate from x = 0 on at half the light's height.
+/// Returns a floor with a plate of no thickness, from x = 0 on, at half the light's height.
 fn under_a_plate(light: Light) -> Scene {
     let mut scene = floor();
     let white = scene.add_material(Material::new(Vec3::ONE));
@@ -49,7 +49,7 @@ fn under_a_plate(light: Light) -> Scene {
     scene
 }
 
-/// Share of a unit disc beyond a chord.
+/// Returns the share of a unit disc beyond a chord.
 fn beyond_chord(at: f64) -> f64 {
     let at = at.clamp(-1.0, 1.0);
     (at.acos() - at * (1.0 - at * at).sqrt()) / std::f64::consts::PI
@@ -57,22 +57,22 @@ fn beyond_chord(at: f64) -> f64 {
 
 #[test]
 fn penumbrae_have_the_shape_of_their_light() {
-    // Through a point at x on the floor and the plate's edge a plane leads, which cuts the light at 8 up at x' = -x.
-    // What is beyond is seen. At 400 times the penumbra's width the cosine hardly changes along it.
+    // The plane through a point at x on the floor and the plate's edge cuts the light, 8 units up, at x' = -x. The
+    // light beyond it is visible. At 400 times the penumbra's width, the cosine hardly changes along it.
     let far = |radius: f32| Light::sphere(Vec3::Y * 8.0, radius, Vec3::ONE);
     let cosine = |x: f64, z: f64| 8.0 / (x * x + z * z + 64.0).sqrt();
     let radius = 0.5;
-    // The disc faces the point, whose distance from the line below the light is small: the chord is at the same share
-    // of it.
+    // The disc faces the point, whose distance from the line below the light is small. The chord cuts the disc at the
+    // same share.
     let ball = |x: f64, z: f64| cosine(x, z) * beyond_chord(-x / f64::from(radius));
     let half = Vec3::X * radius;
     let square = Light::rectangle(Vec3::Y * 8.0, half, Vec3::Z * radius, Vec3::ONE);
     let straight = |x: f64, z: f64| cosine(x, z) * (0.5 + 0.5 * x / f64::from(radius)).clamp(0.0, 1.0);
-    // The plate is 4 up: a disc of that tangent is 4 tan wide from there.
+    // The plate is 4 units up, so a disc of that tangent covers 4 tan on the plane of the plate.
     let sun = Light::directional(Vec3::Y * 3.0, 0.125, Vec3::ONE);
     let sunny = |x: f64, _: f64| beyond_chord(-x / (4.0 * f64::from(0.125_f32).tan()));
     let check = |name: &str, light: Light, form: &dyn Fn(f64, f64) -> f64, most: [f64; 4]| {
-        // Seen from above the plate hides half of the floor: what it shows itself is left out.
+        // From above, the plate hides half of the floor. Pixels that show the plate itself are left out.
         let seen = |scene: &Scene, rays: u32, seeds: u32| {
             let mut pixels = light_on_floor(scene, &naive().shadow_rays(rays), 0.8, seeds);
             pixels.retain(|&[x, ..]| x > 0.01);
@@ -99,11 +99,11 @@ fn a_ball_keeps_ambient_light_off_a_floor_by_its_closed_form() {
     let options = |rays, radius| naive().occlusion(AmbientOcclusion::new(rays, radius));
     let seen = |options: &Options, seeds| {
         let mut pixels = light_on_floor(&scene, options, 4.0, seeds);
-        // From above the ball hides what is nearly below it.
+        // From above, the ball hides the floor nearly below it.
         pixels.retain(|&[x, z, _]| x * x + z * z > 1.3);
         pixels
     };
-    // The ball's form factor from a point of the floor beside it: (r/d)² cos, and cos is r/d.
+    // The ball's form factor from a point of the floor beside it is (r/d)² cos, where cos is r/d.
     let form = |x: f64, z: f64| 0.8 * (1.0 - (x * x + z * z + 1.0).powf(-1.5));
     let (largest, rms) = errors(&seen(&options(16, f32::INFINITY), 1), form);
     println!("occlusion: {largest:.4} {rms:.4}");
@@ -111,12 +111,12 @@ fn a_ball_keeps_ambient_light_off_a_floor_by_its_closed_form() {
     let (largest, rms) = errors(&seen(&options(32, f32::INFINITY), 32), form);
     println!("occlusion, 1024 rays: {largest:.4} {rms:.4}");
     assert!(largest < 0.017 && rms < 0.004, "{largest} {rms}");
-    // What is farther off than the radius keeps nothing off.
+    // Occluders farther away than the radius have no effect.
     let near = seen(&options(16, 0.5), 1);
     assert!(near.iter().all(|[x, z, light]| x.hypot(*z) < 1.6 || (light - 0.8).abs() < 1e-6));
 }
 
-/// Lights of all kinds over balls, boxes and a mirror.
+/// Returns lights of all kinds over balls, boxes and a mirror.
 fn stage(builtin: Builtin) -> (Scene, StereoCamera) {
     let camera = builtin.camera(150, 101);
     let mut scene = builtin.scene();
@@ -185,7 +185,7 @@ fn mean_error(view: &View, truth: &[[f64; 3]]) -> f64 {
     errors_of(view, truth).sum::<f64>() / truth.len() as f64
 }
 
-/// Of the pixels that are off by more.
+/// Returns the share of pixels whose error exceeds `most`.
 fn share_off(view: &View, truth: &[[f64; 3]], most: f64) -> f64 {
     errors_of(view, truth).filter(|off| *off > most).count() as f64 / truth.len() as f64
 }
@@ -218,13 +218,13 @@ fn shared_penumbrae_are_no_farther_from_the_limit_than_naives_noise() {
         let gross = share_off(&shared.right, &limit, 0.1);
         let text = format!("{builtin:?}: {of_shared:.5} for naive's {of_naive:.5}; rays {rays:.3}; gross {gross:.5}");
         println!("{text}");
-        // What lies between two samples, neither of which sees it, is as wrong as it is with points for lights.
+        // Penumbrae between two samples that both miss them have errors of the same size as with point lights.
         assert!(of_shared < 1.05 * of_naive && rays < 0.3 && gross < 0.002, "{text}");
         assert!(share_off(&naive.right, &limit, 0.1) == 0.0);
     }
 }
 
-/// Of two lights whose penumbrae are a pixel or two wide.
+/// Tests two lights whose penumbrae are a pixel or two wide.
 #[test]
 fn narrow_penumbrae_are_nearer_to_the_limit_than_by_the_exact_rule() {
     let mut renderer = renderer();
@@ -255,11 +255,11 @@ fn narrow_penumbrae_are_nearer_to_the_limit_than_by_the_exact_rule() {
     let rays = shared_rays as f64 / exact_rays as f64;
     let text = format!("hall: {shared:.5}, exact {exact:.5}, naive {of_naive:.5}; rays {rays:.3} of exact's");
     println!("{text}");
-    // Without what is asked of the samples beside and of grooves, 0.987 of the exact rule's error; 0.940 with it.
+    // Measured 0.940 of the exact rule's error. Without the checks of neighbouring samples and of grooves it was 0.987.
     assert!(shared < 0.96 * exact && rays < 0.65, "{text}");
 }
 
-/// Cables throw shadows of a few rays and pixels, which most pairs of samples miss.
+/// Cables have shadows a few rays and pixels wide, which most pairs of samples miss.
 #[test]
 fn soft_light_under_cables_is_as_near_to_the_limit_as_naive_s() {
     let mut renderer = renderer();

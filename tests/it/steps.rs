@@ -1,5 +1,5 @@
-//! More work for one thread than an adapter may grant its loops: llvmpipe ends all of a thread's after 65,535 rounds.
-//! That costs time, never a picture.
+//! Tests more work for one thread than an adapter allows its loops: llvmpipe ends all loops of a thread after 65,535
+//! rounds. That costs time but must not change a picture.
 
 use crate::common;
 
@@ -12,12 +12,12 @@ use stereotrace::{
     wgpu,
 };
 
-/// Whether frames like these must take steps: where nothing bounds loops they may be done at once.
+/// Returns whether frames like these must take steps. Adapters without a bound on loops may render them at once.
 fn has_a_bound(renderer: &stereotrace::Renderer) -> bool {
     renderer.gpu().adapter_info().device_type == wgpu::DeviceType::Cpu
 }
 
-/// Triangles that all cover the picture's middle, each tilted a little, so that every box holds all of them.
+/// Returns triangles that all cover the picture's middle, each tilted a little, so that every box contains all of them.
 fn stack_of_triangles(count: u32) -> Scene {
     let mut random = Random::new(3);
     let positions = (0..count).flat_map(|_| {
@@ -30,7 +30,7 @@ fn stack_of_triangles(count: u32) -> Scene {
     scene
 }
 
-/// The first hit of each left pixel by a search through all primitives.
+/// Returns the closest hit of each left pixel by a search through all primitives.
 fn searched(scene: &Scene, frame: &Frame, eye: Eye) -> Vec<u32> {
     let [width, height] = frame.size();
     let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
@@ -96,7 +96,7 @@ fn lights_without_number_light_what_their_sum_does() {
         )
     };
     let (one, _) = render(&scene, Method::Naive);
-    // So many that the loop over them alone is cut.
+    // There are so many lights that the loop over them alone is ended early.
     let count = 70_000;
     scene.lights = vec![Light::point(light.position, light.intensity / count as f32); count];
     let (many, bound) = render(&scene, Method::BRACKET_RAYS);
@@ -104,7 +104,7 @@ fn lights_without_number_light_what_their_sum_does() {
     assert_eq!(many.statistics.left.rays.shadow, count as u64 * one.statistics.left.rays.shadow);
     assert_eq!(many.right.primitive, one.right.primitive);
     for (many, one) in many.right.linear.iter().zip(&one.right.linear) {
-        // Each of so many sums below 1 is rounded by up to 2^-25, all in one direction at worst.
+        // Each of these sums below 1 is rounded by up to 2^-25, at worst all in one direction.
         let bound = count as f32 * 3e-8 + 1e-6;
         assert!((0..3).all(|c| (many[c] - one[c]).abs() < bound), "{many:?} {one:?}");
     }

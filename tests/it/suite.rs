@@ -1,4 +1,4 @@
-//! The trials: each shows something to both eyes, and no scale changes its picture.
+//! Tests the trials: each shows something to both eyes, and its picture does not depend on the scale.
 
 use std::collections::HashSet;
 
@@ -6,9 +6,9 @@ use stereotrace::{Method, StereoPair, testing::suite::Trial};
 
 use crate::common::render;
 
-/// Largest share of the pixels, percent, in which a scene at a thousandth and at a million times its size may differ:
-/// edges that run through pixels' centres (where the floor meets the wall, between bricks) fall to either side. On
-/// llvmpipe it was 0.22 % of the left view and 0.36 % of the right one.
+/// Maximum percentage of pixels in which a scene may differ at a thousandth and at a million times its size. Edges that
+/// run through pixels' centres (where the floor meets the wall, between bricks) may fall to either side. On llvmpipe it
+/// was 0.22% of the left view and 0.36% of the right view.
 const SCALED_PERCENT: f64 = 0.6;
 
 fn naive(trial: Trial, width: u32, height: u32) -> StereoPair {
@@ -45,7 +45,7 @@ fn every_trial_is_of_moderate_size_and_lit() {
         let scene = trial.scene();
         assert!(scene.primitive_count() <= 60_000, "{trial}: {}", scene.primitive_count());
         assert!((3..=5).contains(&scene.lights.len()) && scene.shadows, "{trial}");
-        // Far off, f32 makes one point of some corners.
+        // Far from the origin, f32 merges some corners.
         assert!(scene.degenerate_count() == 0 || trial == Trial::FarOff, "{trial}: {}", scene.degenerate_count());
     }
 }
@@ -81,8 +81,8 @@ fn in_the_wings_the_sweep_shows_what_is_behind_the_post_and_methods_that_look_sh
         let right = of(method).right;
         post.iter().filter(|&&index| right.object[index] != naive.right.object[index]).count()
     };
-    // Of 2127 pixels the sweep misses 95.8%. What the check lets pass, 9.7%, lies at the post's rims: it looks up to
-    // half a pixel beside.
+    // The sweep misses 95.8% of 2127 pixels. The check accepts 9.7% at the post's rims, since it tests up to half a
+    // pixel beside.
     for (method, least, most) in [
         (Method::ADELSON_HODGES, 0.9, 1.0),
         (Method::ES_ISLER, 0.9, 1.0),

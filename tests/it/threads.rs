@@ -1,5 +1,6 @@
-//! Every function that takes a device, an uploaded scene or a file, called by two threads at the same time: with one
-//! device, one uploaded scene and one folder for both, and a renderer for each, it does what it does alone.
+//! Tests every function that takes a device, an uploaded scene or a file, called by two threads at the same time. Both
+//! share one device, one uploaded scene and one folder, and each has a renderer. The results must be those of a single
+//! thread.
 use crate::common;
 
 use std::{
@@ -22,7 +23,7 @@ use stereotrace::{
     render_stereo, wgpu,
 };
 
-/// What a thread works with; all but the renderer is the other thread's too.
+/// The objects that a thread works with. All except the renderer are shared with the other thread.
 struct Worker<'a> {
     renderer: Renderer,
     scene: &'a Scene,
@@ -30,14 +31,14 @@ struct Worker<'a> {
     folder: &'a Folder,
 }
 
-/// Does something and says what came of it.
+/// Runs a function and returns its result as text.
 type Step = fn(&mut Worker<'_>) -> String;
 
 fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO).screen_distance(5.0).size(50, 37).interaxial_pixels(6.0)
 }
 
-/// All of it, but what depends on the clock and on what the renderer did before.
+/// Returns everything except values that depend on the clock or on earlier work of the renderer.
 fn text(pair: &StereoPair) -> String {
     let mut pair = pair.clone();
     (pair.statistics.times, pair.statistics.intermediate_bytes) = (None, 0);
@@ -60,7 +61,7 @@ impl Worker<'_> {
     }
 }
 
-/// The pass that tells edges makes a table of the scene's objects when it is first asked for.
+/// The pass that finds edges makes a table of the scene's objects when it is first needed.
 fn edges(worker: &mut Worker<'_>) -> String {
     text(&worker.pair(&"atomic-edges".parse().map(Options::new).unwrap()))
 }
@@ -105,7 +106,7 @@ fn rays_of_the_caller_s_own(worker: &mut Worker<'_>) -> String {
     debug((closest, worker.renderer.any_hits(worker.uploaded, &rays).wait().unwrap().hits))
 }
 
-/// An error of one thread must not reach the other one, nor the other's success hide it.
+/// An error of one thread must not reach the other thread, and the success of the other thread must not hide it.
 fn errors(worker: &mut Worker<'_>) -> String {
     let mut of =
         |camera: StereoCamera| worker.renderer.pair(worker.uploaded, &camera).read().wait().unwrap_err().to_string();
@@ -138,7 +139,7 @@ fn devices_of_their_own(worker: &mut Worker<'_>) -> String {
         text += &debug(
             renderer.pair(&uploaded, &camera()).options(&Options::new(Method::Naive)).read().wait().unwrap().right,
         );
-        // A scene of the other device is refused.
+        // A scene of another device is refused.
         text += &renderer.pair(worker.uploaded, &camera()).read().wait().unwrap_err().to_string();
     }
     text
@@ -156,7 +157,7 @@ fn files_that_are_read(worker: &mut Worker<'_>) -> String {
     text(&worker.renderer.pair(&uploaded, &camera).read().wait().unwrap())
 }
 
-/// Both threads write the same files: whichever is last, they are whole.
+/// Both threads write the same files, which are complete whichever thread is last.
 fn files_that_are_written(worker: &mut Worker<'_>) -> String {
     let pair = worker.pair(&Options::new(Method::BRACKET));
     let view = &pair.right;
@@ -204,14 +205,14 @@ fn what_two_threads_do_at_once_is_what_each_does_alone() {
     let sky: Vec<u8> = (0..8 * 4 * 3).collect();
     image::RgbImage::from_raw(8, 4, sky).unwrap().save(folder.file("sky.png")).unwrap();
     let upload = |gpu: &Gpu| Renderer::new(gpu.clone()).upload(&scene).wait().unwrap();
-    // The threads' scene is one that nobody has used: what is made at first use is made by both at once.
+    // The threads' scene is unused, so both make the data of first use at the same time.
     let (lone, shared) = (upload(&gpu), upload(&gpu));
     let worker = |uploaded| Worker { renderer: Renderer::new(gpu.clone()), scene: &scene, uploaded, folder: &folder };
     let mut alone = worker(&lone);
     let expected = STEPS.map(|(_, step)| step(&mut alone));
 
     let mut workers = [worker(&shared), worker(&shared)];
-    // The same function in both threads, then different ones.
+    // The threads run the same function first, then different ones.
     let same = (0..STEPS.len()).map(|step| [step, step]);
     let different = (0..STEPS.len()).map(|step| [step, (step + 5) % STEPS.len()]);
     for steps in same.chain(different) {

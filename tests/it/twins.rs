@@ -1,4 +1,4 @@
-//! Kernels against their plain Rust twins, which search through all primitives and share no traversal.
+//! Tests kernels against their plain Rust twins, which search through all primitives and share no traversal.
 
 use crate::common;
 
@@ -18,8 +18,8 @@ fn camera(width: u32, height: u32) -> StereoCamera {
         .interaxial_pixels(width as f32 / 12.0)
 }
 
-/// Pixels whose primitive or depth differ. Elsewhere than on exact adapters a depth may by 1e-5 of itself, and which of
-/// two coincident surfaces is nearer is rounding's to say.
+/// Returns the number of pixels whose primitive or depth differ. On adapters that are not exact, a depth may differ by
+/// 1e-5 of itself, and either of two coincident surfaces may be nearer.
 fn differing(view: &stereotrace::View, twin: &[(f32, u32)], exact: bool) -> usize {
     let tolerance = if exact { 0.0 } else { 1e-5 };
     let pixels = view.depth.iter().zip(&view.primitive).zip(twin);
@@ -60,7 +60,7 @@ fn check(scene: &Scene, camera: &StereoCamera) {
             assert_eq!(found, expected, "pixel {index}, {fate:?}");
         }
     }
-    // To the other side: the right view is the source.
+    // In the other direction, the right view is the source.
     let rig = Rig::at(*camera, vec![0.5, -0.5]).traced(vec![0]);
     let views = renderer.views(&uploaded, &rig).options(&Options::new(Method::ATOMIC)).read().wait().unwrap();
     let mirrored = Frame::between(&naive.pose, 0.5, -0.5);
@@ -160,7 +160,8 @@ fn smooth_triangles_that_are_dropped_leave_spheres_as_they_are() {
 
 #[test]
 fn axis_parallel_rays_and_boxes_are_right() {
-    // An odd picture, so that the central ray is exactly the axis; walls in planes through the eye and the centre.
+    // The picture has odd sides, so the central ray is exactly the axis. Walls are in planes through the eye and the
+    // centre.
     let mut scene = Scene::new();
     for axis in 0..3 {
         for offset in [-1.0, -0.5, 0.0, 0.5, 1.0] {

@@ -1,4 +1,4 @@
-//! Rigs of many eyes: every view against `Naive` of the same run, to both sides of its source.
+//! Tests rigs of many eyes: every view against `Naive` of the same run, on both sides of its source.
 
 use crate::common;
 
@@ -22,7 +22,7 @@ fn traced(view: &RigView) -> bool {
 
 #[test]
 fn what_every_eye_sees_is_what_naive_shows_to_either_side_of_a_source() {
-    // One source in the middle; and two, with views between them and beyond.
+    // There is one source in the middle, or two with views between them and beyond.
     for (traced, made_from) in [(vec![2], [2; 5]), (vec![0, 3], [0, 0, 3, 3, 3])] {
         every_eye_sees_what_naive_shows(&traced, made_from);
     }
@@ -47,8 +47,8 @@ fn every_eye_sees_what_naive_shows(sources: &[usize], made_from: [usize; 5]) {
                 assert!(same && found.view.object == expected.view.object, "{name}, view {index}: {}", found.method);
                 let pairs = found.view.rgba8.iter().zip(&expected.view.rgba8);
                 let other = pairs.filter(|(a, b)| a != b).count();
-                // Shadows of what is thinner than the pixels of so small a picture: of wires at most 321 of 6402, else
-                // 30; by `verified` 213 and 14. Between two sources more is taken over: 373 and 42, by
+                // Shadows of objects thinner than the pixels of this small picture may differ: at most 321 of 6402 for
+                // wires, else 30. By `verified` it is 213 and 14. Between two sources more is reused: 373 and 42, by
                 // `verified` 290 and 10. A third more is allowed.
                 let most = match (name.as_str(), found.method, sources.len()) {
                     ("wires", Method::VERIFIED, 1) => 284,
@@ -82,7 +82,7 @@ fn a_pair_is_a_rig_of_two_and_auto_chooses_for_each_view() {
         assert_eq!((left.work, right.work), (pair.statistics.left, pair.statistics.right), "{method}");
         assert_eq!(right.choice, pair.statistics.choice, "{method}");
     }
-    // So far apart that all is gaps, beside a near one.
+    // One eye is so far away that everything is gaps, and another one is near.
     let rig = Rig::at(camera.interaxial_pixels(2.0), vec![0.0, 1.0, 40.0]).traced(vec![0]);
     let views = renderer.views(&uploaded, &rig).options(&Options::new(Method::Auto)).read().wait().unwrap();
     let methods = [1, 2].map(|view| views.views[view].choice.unwrap().method);

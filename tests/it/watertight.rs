@@ -1,5 +1,5 @@
-//! Closed meshes leak nothing: rays at vertices, at edges and anywhere, from inside and outside, at every scale and
-//! place.
+//! Tests that closed meshes have no leaks: rays at vertices, at edges and anywhere, from inside and outside, at every
+//! scale and position.
 
 use crate::common;
 use crate::solids;
@@ -15,10 +15,10 @@ use stereotrace::{
 };
 
 const SCALES: [f32; 4] = [1e-3, 1.0, 300.0, 1e6];
-/// Of the mesh's place, in its sizes.
+/// Offsets of the mesh from the origin, in multiples of its size.
 const OFFSETS: [f32; 4] = [0.0, 3.0, 300.0, 1e4];
 
-/// A solid at a place in the world.
+/// A solid at a position in the world.
 struct Placed {
     scale: f32,
     offset: Vec3,
@@ -36,7 +36,7 @@ impl Placed {
         Mesh::new(self.positions.clone(), solid.triangles.clone())
     }
 
-    /// A point of the world in the solid's own coordinates.
+    /// Converts a point of the world to the solid's own coordinates.
     fn local(&self, point: DVec3) -> DVec3 {
         (point - self.offset.as_dvec3()) / f64::from(self.scale)
     }
@@ -46,7 +46,7 @@ impl Placed {
     }
 }
 
-/// Leaks and rays.
+/// Numbers of rays and leaks.
 #[derive(Debug, Default)]
 struct Count {
     rays: usize,
@@ -73,8 +73,8 @@ enum Aim {
     Anywhere,
 }
 
-/// An origin whose place in the solid is known: inside, or outside; half of them in the plane of faces, where there are
-/// any that are level with an axis.
+/// Returns an origin that is known to be inside or outside the solid. Half of the origins are in the plane of
+/// axis-aligned faces, if there are any.
 fn origin(solid: &Solid, placed: &Placed, inside: bool, random: &mut Random) -> Vec3 {
     loop {
         let away = random.between(2.0, 9.0) * if random.unit() < 0.2 { 4.0 } else { 1.0 };
@@ -92,8 +92,8 @@ fn origin(solid: &Solid, placed: &Placed, inside: bool, random: &mut Random) -> 
     }
 }
 
-/// Rays of one origin: a third at vertices, a third at edges, a third at points within the solid's box. From outside
-/// only those that are sure to reach a point inside; they end there, so that a hit is one on the near side.
+/// Returns rays of one origin: a third at vertices, a third at edges, a third at points within the solid's box. Rays
+/// from outside are only those that certainly reach a point inside. They end there, so that a hit is on the near side.
 fn rays(
     solid: &Solid,
     placed: &Placed,
@@ -114,13 +114,13 @@ fn rays(
                 let triangle = solid.triangles[pick(random, solid.triangles.len())];
                 let side = pick(random, 3);
                 let [a, b] = [side, (side + 1) % 3].map(|corner| placed.positions[triangle[corner] as usize]);
-                // Middles of axis-parallel edges are exact, others lie beside by a rounding.
+                // Middles of axis-parallel edges are exact. Other points are off the edge by a rounding error.
                 let share = if random.unit() < 0.3 { 0.5 } else { random.unit() };
                 a + (b - a) * share
             }
             Aim::Anywhere => placed.world(random.point(1.0)),
         };
-        // Half of the directions exactly as the difference is, the others of another length, which rounds again.
+        // Half of the directions are exactly the difference. The others have another length, which rounds again.
         let length = if random.unit() < 0.5 { 1.0 } else { random.between(0.1, 3.0) / placed.scale };
         let direction = (target - from) * length;
         if direction.length_squared() < f32::MIN_POSITIVE {
@@ -157,7 +157,7 @@ fn leaks(renderer: &Renderer, scene: &UploadedScene, rays: &[(Aim, Ray)]) -> Cou
     count
 }
 
-/// Sends about `total` rays through every solid at every scale and place, and prints where they leak.
+/// Sends about `total` rays through every solid at every scale and position, and prints where they leak.
 fn search(total: usize) -> Count {
     let solids = solids();
     let per_place = total / (solids.len() * SCALES.len() * OFFSETS.len());
@@ -167,14 +167,14 @@ fn search(total: usize) -> Count {
     for solid in &solids {
         let mut of_solid = Count::default();
         for (scale, offset) in SCALES.into_iter().flat_map(|scale| OFFSETS.map(|offset| (scale, offset))) {
-            // Within the largest coordinate.
+            // This offset keeps the mesh within the largest coordinate.
             let placed = Placed::new(solid, scale, offset.min(5e7 / scale));
             let mut scene = Scene::new();
             scene.add_mesh(&placed.mesh(solid)).unwrap();
             assert_eq!(scene.degenerate_count(), 0, "{} at {scale}, {offset} has holes", solid.name);
             let uploaded = renderer.upload(&scene).wait().unwrap();
             let mut here = Count::default();
-            // Few rays an origin: of vertices there are as many rays as there are vertices.
+            // Each origin has few rays, about as many at vertices as there are vertices.
             let per_origin = per_place.min(3 * solid.positions.len().max(200));
             while here.rays < per_place {
                 for inside in [true, false] {
@@ -208,7 +208,7 @@ fn every_mesh_is_closed_and_knows_its_inside() {
             }
         }
         assert!(open.is_empty(), "{} is open at {} edges", solid.name, open.len());
-        // From a point that it claims a line crosses an odd number of triangles.
+        // From a point that the test claims to be inside, a line crosses an odd number of triangles.
         let mut random = Random::new(3);
         let points: Vec<DVec3> = (0..1000).map(|_| random.point(1.0).as_dvec3()).collect();
         let claimed: Vec<_> = points.into_iter().filter(|&point| (solid.inside)(point)).collect();
@@ -234,7 +234,7 @@ fn a_million_rays_leak_from_no_closed_mesh() {
     assert!(count.leaks == 0 && count.any == 0, "{count:?}");
 }
 
-/// The same with a hundred million rays: `cargo test --test watertight -- --ignored --nocapture`.
+/// Does the same with a hundred million rays: `cargo test --test watertight -- --ignored --nocapture`.
 #[test]
 #[ignore = "takes some four minutes on two cores"]
 fn a_hundred_million_rays_leak_from_no_closed_mesh() {
@@ -243,7 +243,7 @@ fn a_hundred_million_rays_leak_from_no_closed_mesh() {
     assert!(count.leaks == 0 && count.any == 0, "{count:?}");
 }
 
-/// The search itself: one triangle less, and rays leak.
+/// Tests the search itself: with one triangle less, rays leak.
 #[test]
 fn a_hole_is_found() {
     let mut solid = solids().swap_remove(0);

@@ -1,4 +1,5 @@
-// The package: what wasm-bindgen made, ready to use once this module is imported. The .wasm file is fetched from beside it.
+// The package: the output of wasm-bindgen, ready to use once this module is imported. The .wasm file is fetched from
+// the folder of this module.
 import init from "./stereotrace_web.js";
 
 await init();

@@ -49,7 +49,7 @@ export interface Camera {
 export interface RenderOptions {
     /** Method that makes the second eye. Default `"auto"`. */
     method?: MethodName;
-    /** Samples a pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64. Default 1. */
+    /** Samples per pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64. Default 1. */
     samples?: number;
     /** Weights of samples. Default `"box"`. */
     filter?: "box" | "tent" | "gauss";
@@ -160,15 +160,15 @@ export interface Light {
 
 /** Triangles. Lists have one entry for each vertex, as in glTF and three.js. */
 export interface Mesh {
-    /** World positions, three numbers a vertex. */
+    /** World positions, three numbers per vertex. */
     positions: Float32Array;
-    /** Three vertex indices a triangle. Without indices, each three vertices make a triangle. */
+    /** Three vertex indices per triangle. Without indices, each three vertices make a triangle. */
     indices?: Uint32Array;
-    /** Unit normals, three numbers a vertex. */
+    /** Unit normals, three numbers per vertex. */
     normals?: Float32Array;
-    /** Texture coordinates, two numbers a vertex: (0, 0) is a texture's lower left corner, (1, 1) the upper right. */
+    /** Texture coordinates, two numbers per vertex. (0, 0) is a texture's lower left corner, (1, 1) the upper right. */
     uvs?: Float32Array;
-    /** Factors of the albedo, three numbers a vertex, linear RGB. */
+    /** Factors of the albedo, three numbers per vertex, linear RGB. */
     colors?: Float32Array;
     /** Id of a material. Default 0, the grey one. */
     material?: number;

@@ -1,4 +1,4 @@
-// The page: settings and gestures in, pictures and figures out. What renders is engine.js, in a worker.
+// The page: it reads settings and gestures, and shows pictures and figures. engine.js renders in a worker.
 // @ts-check
 import { plot, tabulate } from "./chart.js";
 import { dropped, source as sourceOf } from "./files.js";
@@ -12,10 +12,10 @@ const canvas = /** @type {HTMLCanvasElement} */ (element("picture"));
 const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
 const query = new URLSearchParams(location.search);
 
-/** A frame while something is dragged should take no longer, milliseconds. */
+/** Maximum time of a frame while something is dragged, in milliseconds. */
 const DRAFT_MS = 80;
 const WIGGLE_MS = 180;
-/** The largest side of a picture as large as it is shown, on adapters that are software and on others. */
+/** Largest side of an automatically sized picture, on software adapters and on others. */
 const MOST_SIDE = { software: 512, hardware: 1600 };
 const QUILT = { columns: 8, rows: 6, size: [420, 560], interaxialPixels: 3 };
 const ROUNDS = 3;
@@ -28,11 +28,11 @@ const LEGENDS = {
         + "the left view. Red pixels traced shadow rays.",
     difference: "The right view is compared with naive. Equal pixels are dark, and different pixels are yellow to red.",
 };
-/** Passes that are the left eye's alone, and those that both eyes share; all others are the right eye's. */
+/** Passes of the left eye alone, and passes that both eyes share. All others belong to the right eye. */
 const LEFT_PASSES = ["trace_left"];
 const SHARED_PASSES = ["trace_hits", "trace_soft", "shade_hits", "list_mirrors", "trace_mirrored", "pack"];
 
-/** The engine: asked by messages, each with an answer. */
+/** The engine: it is asked by messages and answers each of them. */
 class Engine {
     /** @param {string} url */
     constructor(url) {
@@ -44,7 +44,7 @@ class Engine {
             this.worker.onerror = (event) => {
                 const reason = event.message ?? "see the browser's console";
                 failed(new Error(`the engine could not be loaded: ${reason}`));
-                // What breaks off between two messages, as a panic does while it waits for the device, answers to none.
+                // An error between two messages, such as a panic while waiting for the device, answers none of them.
                 const error = Object.assign(new Error(reason), { name: ready ? "RuntimeError" : "Error" });
                 for (const { failed } of this.waiting.values()) failed(error);
                 this.waiting.clear();
@@ -74,7 +74,7 @@ class Engine {
         });
     }
 
-    /** Ends what is being rendered, with an AbortError. */
+    /** Ends the current rendering with an AbortError. */
     stop() {
         this.worker.postMessage({ task: "stop" });
     }
@@ -83,13 +83,13 @@ class Engine {
 /** @type {Engine} */
 let engine;
 let adapter = { software: false };
-/** What is open; the camera that it came with, of which the sliders' values are multiples. */
+/** The open scene. Its camera has the values that the sliders multiply. */
 let open = { name: "", source: /** @type {any} */ (null), camera: /** @type {Camera | null} */ (null) };
-/** Where the eyes are now, before the sliders. */
+/** The current camera, before the sliders. */
 let camera = /** @type {Camera | null} */ (null);
 /** @type {ImageBitmap[]} */
 let images = [];
-/** Milliseconds a pixel of the last frame. */
+/** Milliseconds per pixel of the last frame. */
 let pixelMs = 0;
 let lost = 0;
 
@@ -113,7 +113,7 @@ function size() {
     return [width, height].map((side) => Math.max(16, Math.round(side * scale)));
 }
 
-/** The camera with what the sliders say. @param {number} scale @returns {Camera} */
+/** Returns the camera with the sliders' values. @param {number} scale @returns {Camera} */
 function seen(scale = 1) {
     if (!camera) throw new Error("no scene is open");
     const [e, d] = [Number(element("e").value), 2 ** Number(element("d").value)];
@@ -121,7 +121,7 @@ function seen(scale = 1) {
     return { ...camera, size: [width, height], interaxial: (camera.interaxial ?? 0) * e, screenDistance: (camera.screenDistance ?? 1) * d };
 }
 
-/** Numbers beside the sliders. */
+/** Updates the numbers beside the sliders. */
 function label() {
     if (!camera) return;
     const { interaxial = 0, screenDistance = 1, size: [width, height] = [1, 1], fov = 45 } = seen();
@@ -147,7 +147,7 @@ let wish = null;
 let running = null;
 let settle = 0;
 
-/** A picture soon, and a whole one once nothing moves. */
+/** Asks for a draft soon, and for a whole picture once nothing moves. */
 function moved() {
     label();
     clearTimeout(settle);
@@ -158,7 +158,7 @@ function moved() {
 /** @param {"draft" | "whole" | "show"} what */
 function ask(what) {
     if (!camera) return;
-    // What shows the last pair in another way is part of rendering it anew.
+    // Rendering also shows the last pair in the chosen view, so it replaces a wish to show.
     if (wish === null || what !== "show") wish = what;
     if (running === "whole" && what !== "show") engine.stop();
     if (running === null) void work();
@@ -205,20 +205,26 @@ async function render(draft) {
     }
 }
 
-/** Of a picture of so many samples, as a share of its side. @param {number} samples */
+/**
+ * Returns the scale of a draft with this many samples per pixel, as a share of the picture's side.
+ * @param {number} samples
+ */
 function draftScale(samples) {
     if (!pixelMs) return 0.5;
     return [1, 0.5, 0.25].find((scale) => pixelMs * samples * scale ** 2 < DRAFT_MS) ?? 0.25;
 }
 
-/** The last pair in the view that is chosen now. */
+/** Shows the last pair in the chosen view. */
 async function show() {
     const { view, glasses } = settings();
     if (view === "difference") compared(await engine.ask("compare"));
     put((await engine.ask("show", { view, glasses })).images);
 }
 
-/** Runs a task of the engine while no picture is rendered. @param {string} text @param {(tell: (done: number) => void) => Promise<void>} task */
+/**
+ * Runs a task of the engine while no picture is rendered.
+ * @param {string} text @param {(tell: (done: number) => void) => Promise<void>} task
+ */
 async function alone(text, task) {
     if (running) engine.stop();
     while (running) await new Promise((done) => setTimeout(done, 20));
@@ -322,7 +328,7 @@ async function failed(error) {
     if (error.name === "AbortError") return;
     console.error(error);
     if (error.name !== "RuntimeError") return notice(error.message);
-    // The engine's memory is in no known state any more.
+    // The state of the engine's memory is unknown after such an error.
     engine.worker.terminate();
     engine = new Engine("engine.js");
     lost = 0;
@@ -353,7 +359,7 @@ async function openScene(source) {
         label();
         ask("whole");
     } catch (error) {
-        // What was open still is.
+        // The previous scene is still open.
         element("scene").value = before.source?.builtin ?? "";
         await failed(error);
     } finally {
@@ -399,7 +405,7 @@ canvas.addEventListener("pointermove", (event) => {
     const other = [...pointers].find(([id]) => id !== event.pointerId)?.[1];
     if (other) {
         const apart = (point) => Math.max(1, Math.hypot(point.x - other.x, point.y - other.y));
-        // Each of two fingers moves the middle by half of its own way.
+        // Each of two fingers moves the middle by half of its own movement.
         camera = panned(nearer(camera, apart(before) / apart(after)), dx / 2, dy / 2);
     } else if (event.shiftKey || event.buttons & 6) {
         camera = panned(camera, dx, dy);
@@ -456,7 +462,7 @@ function reset() {
 addEventListener("keydown", (event) => {
     const target = /** @type {HTMLElement} */ (event.target);
     if (event.ctrlKey || event.metaKey || event.altKey || !camera) return;
-    // Fields have keys of their own.
+    // Input fields handle their own keys.
     if (target.matches("input, select, textarea") || (target !== canvas && event.key.startsWith("Arrow"))) return;
     const view = VIEWS[Number(event.key) - 1];
     if (view) {
@@ -555,7 +561,7 @@ addEventListener("resize", () => {
 
 // --- Begin ---
 
-/** What is missing, where nothing can be rendered. */
+/** Returns what is missing if nothing can be rendered. */
 function missing() {
     if (!isSecureContext) {
         return "This page needs WebGPU, which browsers offer only over https and on localhost. "

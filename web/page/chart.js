@@ -1,8 +1,8 @@
-// The figures of all methods as a chart and a table.
+// Draws the figures of all methods as a chart and a table.
 // @ts-check
 
 const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [760, 420, 70, 110, 16, 46];
-/** Shares of wrong pixels below this, percent, stand on the axis: none of a picture's pixels, or next to none. */
+/** Shares of wrong pixels below this percentage are drawn on the axis. */
 const LEAST = 0.001;
 
 /** @param {string} name @param {Record<string, string | number>} attributes @param {string} [text] */
@@ -13,7 +13,10 @@ function node(name, attributes, text) {
     return made;
 }
 
-/** Time of a pair over naive's against wrong pixels, percent, on a logarithmic axis. @param {any} figures */
+/**
+ * Plots the time of a pair relative to naive against the percentage of wrong pixels, on a logarithmic axis.
+ * @param {any} figures
+ */
 export function plot(figures) {
     const svg = node("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": "Share of wrong pixels against time" });
     const most = Math.max(1.2, ...figures.methods.map((row) => row.msOfNaive)) * 1.05;
@@ -32,7 +35,7 @@ export function plot(figures) {
     }
     svg.append(node("text", { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 8, "text-anchor": "middle", class: "axis" },
         "time of the pair relative to naive (vertical axis: share of right pixels that differ from naive)"));
-    // Labels that would cover one another are moved down, with a line to their points.
+    // Labels that would cover each other are moved down, with a line to their points.
     /** @type {number[][]} */
     const taken = [];
     for (const row of figures.methods) {

@@ -1,5 +1,5 @@
-// A worker: all rendering happens here, so that the page answers however long a frame takes. It is asked by messages
-// { id, task, ... } and answers each with { id, result } or { id, error }, and with { id, done } on the way.
+// A worker that does all rendering, so that the page answers even during a long frame. It receives messages { id, task,
+// ... } and answers each with { id, result } or { id, error }, and reports progress with { id, done }.
 // @ts-check
 import { Renderer, Scene, anaglyphs, builtins, methods, version } from "./pkg/index.js";
 
@@ -7,16 +7,16 @@ import { Renderer, Scene, anaglyphs, builtins, methods, version } from "./pkg/in
 /** @typedef {import("./pkg/index.js").RenderOptions} RenderOptions */
 
 const renderer = new Renderer();
-/** What is shown: a scene, where it came from, and how many lights were placed in it (0: its own). */
+/** The open scene, its source, its size, and the number of lights placed in it (0: its own lights). */
 let open = { scene: /** @type {Scene | null} */ (null), source: /** @type {any} */ (null), size: [640, 480], lights: 0 };
-/** The pair that was rendered last, what it was rendered with, and the same by naive once somebody asked. */
+/** The last rendered pair, its camera and options, and the same pair by naive if it was requested. */
 let last = /** @type {{ pair: import("./pkg/index.js").Pair, camera: Camera, options: RenderOptions, truth?: import("./pkg/index.js").Pair, truthMs?: number } | null} */ (null);
-/** Ends what is being rendered. */
+/** Ends the current rendering. */
 let stopping = new AbortController();
 
-/** The sky behind a file that brings none, and how many lights stand beside the eyes where it has none of its own. */
+/** The sky behind a file without one, and the number of lights beside the eyes if the file has none. */
 const BACKDROP = /** @type {const} */ ({ nadir: [0.26, 0.27, 0.29], zenith: [0.52, 0.56, 0.62], lights: 3 });
-/** Methods that are measured: a sweep on the host says nothing of a GPU. */
+/** Measured methods. A sweep on the host shows nothing about a GPU. */
 const MEASURED = methods().filter((name) => name !== "adelson-hodges" && name !== "auto");
 
 async function adapter() {
@@ -38,7 +38,7 @@ async function sceneOf(source) {
     return scene;
 }
 
-/** Lights a scene that was just made, by its own camera. @param {Scene} scene @param {any} source @param {number} lights */
+/** Lights a new scene, by its own camera. @param {Scene} scene @param {any} source @param {number} lights */
 function light(scene, source, lights, size = open.size) {
     const count = lights || (!source.builtin && scene.info.lights === 0 ? BACKDROP.lights : 0);
     if (count) scene.placeLights(count, scene.camera(size[0], size[1]));
@@ -51,7 +51,10 @@ async function png(image) {
     return canvas.convertToBlob({ type: "image/png" });
 }
 
-/** The pictures that a view consists of: one, but of wiggle. @param {string} view @param {any} glasses @returns {ImageData[]} */
+/**
+ * Returns the pictures of a view: one, or several for wiggle.
+ * @param {string} view @param {any} glasses @returns {ImageData[]}
+ */
 function pictures(view, glasses) {
     const { pair, truth } = shown();
     switch (view) {
@@ -108,7 +111,7 @@ const tasks = {
         const scene = await sceneOf(source);
         const camera = scene.camera(size[0], size[1]);
         light(scene, source, 0, size);
-        // Before the other one goes, which stays open where this one can't be brought to the device.
+        // The new scene is uploaded before the old one is freed. If the upload fails, the old one stays open.
         await renderer.upload(scene);
         open.scene?.free();
         open = { scene, source, size, lights: 0 };
@@ -120,7 +123,7 @@ const tasks = {
     async render({ camera, options, lights, view, glasses, compare }, tell) {
         if (lights !== open.lights) {
             if (!lights && open.source) {
-                // Its own lights come back with the scene.
+                // The scene's own lights come back with the scene.
                 const scene = await sceneOf(open.source);
                 open.scene?.free();
                 open.scene = scene;
@@ -137,7 +140,7 @@ const tasks = {
         return [{ images, ms, statistics, deviceMs: deviceMs(statistics), lost: renderer.devicesLost, ...truth }, images];
     },
 
-    /** The last pair in another view. @param {any} request */
+    /** Returns the last pair in another view. @param {any} request */
     async show({ view, glasses }) {
         const images = await bitmaps(view, glasses);
         return [{ images }, images];
@@ -162,7 +165,7 @@ const tasks = {
         return result;
     },
 
-    /** Accuracy and cost of each method, the methods by turns. @param {any} request */
+    /** Measures accuracy and cost of each method, in alternation. @param {any} request */
     async measure({ camera, options, rounds }, tell) {
         if (!open.scene) throw new Error("no scene is open");
         const signal = stopping.signal;
@@ -183,7 +186,7 @@ const tasks = {
         for (let round = 0; round <= rounds; round += 1) {
             for (const row of rows) {
                 const { pair, ms } = await timed(camera, { ...options, method: row.method, signal });
-                // The first one compiles what a frame that is not counted runs.
+                // The first round compiles the kernels of frames without counters.
                 if (round > 0) {
                     row.times.push(ms);
                     const device = deviceMs(pair.statistics);
@@ -217,7 +220,9 @@ function forget() {
     last = null;
 }
 
-/** One task after the other, in the order in which they were asked: a scene is not freed while it is rendered. */
+/**
+ * Runs tasks one after the other, in the order of their messages, so that a scene is not freed while it is rendered.
+ */
 let turn = Promise.resolve();
 self.onmessage = ({ data }) => {
     if (data.task === "stop") {
@@ -233,7 +238,7 @@ async function answer({ id, task, ...request }) {
         let told = 0;
         /** @param {number} done */
         const tell = (done) => {
-            // Some dozen times a second at most.
+            // Progress is reported at most 20 times per second.
             if (performance.now() - told > 50) {
                 told = performance.now();
                 postMessage({ id, done });
@@ -248,7 +253,7 @@ async function answer({ id, task, ...request }) {
     }
 }
 
-// The page hears of errors, not of promises that fail without anybody who waits for them.
+// Rejected promises that are not awaited become errors, which the page receives.
 addEventListener("unhandledrejection", (event) => {
     throw event.reason;
 });

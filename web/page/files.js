@@ -1,13 +1,13 @@
-// Files that are dropped, with those in folders, by their paths.
+// Reads dropped files and the files in dropped folders, by their paths.
 // @ts-check
 
-/** All files together may be so large: a page's memory is 4 GiB, for all that becomes of them. */
+/** Maximum size of all files together. A page has 4 GiB of memory for everything that is made from them. */
 const MOST_BYTES = 1 << 30;
 const SCENES = /\.(obj|gltf|glb|ply)$/i;
 
 /** @param {DataTransfer} transfer @returns {Promise<{ path: string, file: File }[]>} */
 export async function dropped(transfer) {
-    // Entries are gone once the event is over: all are asked for before anything is awaited.
+    // Entries are gone once the event is over, so all are requested before anything is awaited.
     const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter((entry) => entry !== null && entry !== undefined);
     if (!entries.length) return [...transfer.files].map((file) => ({ path: file.name, file }));
     return (await Promise.all(entries.map(inside))).flat();
@@ -21,7 +21,7 @@ async function inside(entry) {
     }
     const reader = /** @type {FileSystemDirectoryEntry} */ (entry).createReader();
     const found = [];
-    // A reader gives a hundred at a time.
+    // A reader returns a hundred entries at a time.
     for (;;) {
         const some = await new Promise((done, failed) => reader.readEntries(done, failed));
         if (!some.length) break;
@@ -30,7 +30,10 @@ async function inside(entry) {
     return (await Promise.all(found.map(inside))).flat();
 }
 
-/** What the engine opens. Throws where that is not plain. @param {{ path: string, file: File }[]} files */
+/**
+ * Returns the source that the engine opens. Throws if the scene file is not clear.
+ * @param {{ path: string, file: File }[]} files
+ */
 export function source(files) {
     const bytes = files.reduce((sum, { file }) => sum + file.size, 0);
     if (bytes > MOST_BYTES) {

@@ -1,4 +1,4 @@
-// How drags and keys move a camera around what it looks at: the middle of the screen, at `target`.
+// Moves a camera by drags and keys around its target, which is in the middle of the screen.
 // @ts-check
 
 /** @typedef {import("./pkg/index.js").Camera} Camera */
@@ -15,16 +15,22 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 /** @param {Vector} a @returns {[number, number, number]} */
 const unit = (a) => along([0, 0, 0], a, 1 / Math.hypot(...a));
 
-/** Turned around an axis by an angle (Rodrigues). @param {Vector} v @param {Vector} axis @param {number} angle */
+/**
+ * Returns a vector rotated around an axis by an angle (Rodrigues).
+ * @param {Vector} v @param {Vector} axis @param {number} angle
+ */
 function turned(v, axis, angle) {
     const [c, s] = [Math.cos(angle), Math.sin(angle)];
     return along(along(along([0, 0, 0], v, c), cross(axis, v), s), axis, dot(axis, v) * (1 - c));
 }
 
-/** The least angle between the view and the direction that is up: the horizon is lost where they meet. */
+/** Smallest angle between the view and the up direction. The horizon is undefined where they meet. */
 const LEAST_SLANT = 0.05;
 
-/** Moves the eyes around the target, to their right and upwards, in radians. @param {Camera} camera @param {number} right @param {number} up @returns {Camera} */
+/**
+ * Moves the eyes around the target, to their right and upwards, in radians.
+ * @param {Camera} camera @param {number} right @param {number} up @returns {Camera}
+ */
 export function orbited(camera, right, up) {
     const axis = unit(camera.up ?? [0, 1, 0]);
     const arm = sub(camera.eye, camera.target);
@@ -34,13 +40,19 @@ export function orbited(camera, right, up) {
     return { ...camera, eye: along(camera.target, turned(turned(arm, across, raised), axis, right), 1) };
 }
 
-/** Moves the eyes to a share of their distance. What is looked at keeps its depth, since all distances shrink alike. @param {Camera} camera @param {number} factor @returns {Camera} */
+/**
+ * Multiplies the distance of the eyes from the target. The picture keeps its depth, since all distances scale alike.
+ * @param {Camera} camera @param {number} factor @returns {Camera}
+ */
 export function nearer(camera, factor) {
     const { eye, target, screenDistance = 1, interaxial = 1 } = camera;
     return { ...camera, eye: along(target, sub(eye, target), factor), screenDistance: screenDistance * factor, interaxial: interaxial * factor };
 }
 
-/** Moves the camera so that what is on the screen follows by so many heights of the picture. @param {Camera} camera @param {number} right @param {number} down @returns {Camera} */
+/**
+ * Moves the camera so that the scene on the screen follows by `right` and `down` heights of the picture.
+ * @param {Camera} camera @param {number} right @param {number} down @returns {Camera}
+ */
 export function panned(camera, right, down) {
     const arm = sub(camera.target, camera.eye);
     const height = 2 * Math.hypot(...arm) * Math.tan((camera.fov ?? 45) * Math.PI / 360);

@@ -1,5 +1,6 @@
-//! The library in browsers, by WebGPU: classes over the library's, with JavaScript arrays. `package/types.d.ts` has the
-//! documented types of plain objects (cameras, options, statistics). wasm-bindgen adds those of the classes.
+//! The library in browsers, by WebGPU: classes over the library's classes, with JavaScript arrays. `package/types.d.ts`
+//! has the documented types of plain objects (cameras, options, statistics). wasm-bindgen adds the types of the
+//! classes.
 //!
 //! ```text
 //! scene.rs     Scene: built in, read from dropped files, or made in code

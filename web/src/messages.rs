@@ -40,7 +40,7 @@ impl Log for Console {
 
 /// Installs the logger.
 pub(crate) fn listen() {
-    // A logger that the program has installed stays.
+    // A logger that the program has already installed is kept.
     if log::set_logger(&Console).is_ok() {
         log::set_max_level(LevelFilter::Warn);
     }

@@ -35,7 +35,8 @@ impl Pair {
         image(&self.eye(eye)?.picture())
     }
 
-    /// Returns the anaglyph for coloured glasses, mixed in linear light. Default `"dubois"`, for red-cyan glasses.
+    /// Returns the anaglyph for coloured glasses, mixed in linear light. The default is `"dubois"`, for red-cyan
+    /// glasses.
     pub fn anaglyph(
         &self,
         #[wasm_bindgen(unchecked_optional_param_type = "AnaglyphName")] kind: Option<String>,

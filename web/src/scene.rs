@@ -29,7 +29,7 @@ use crate::{
 const MOST_BYTES: u64 = 512 << 20;
 /// Maximum number of triangles of a scene file.
 const MOST_TRIANGLES: u64 = 4 << 20;
-/// Way around these limits, as messages name it.
+/// Alternative that messages about these limits name.
 const ELSEWHERE: &str = "reading it with the library outside a browser";
 
 /// A scene to render: shapes, materials, lights and a sky. World coordinates are right-handed with y up. Colours are
@@ -142,8 +142,8 @@ impl Scene {
         })
     }
 
-    /// Returns the scene's camera for pictures of this size in pixels. It is that of a built-in scene, or the first one
-    /// of a file. Otherwise it shows the whole scene.
+    /// Returns the scene's camera for pictures of this size in pixels. It is the camera of a built-in scene, or the
+    /// first camera of a file. Otherwise it shows the whole scene.
     #[wasm_bindgen(unchecked_return_type = "Camera")]
     pub fn camera(&self, width: u32, height: u32) -> Result<JsValue, JsValue> {
         camera::written(&self.own_camera(width, height)?)

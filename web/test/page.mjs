@@ -1,5 +1,6 @@
-// Tests of the page in a headless Chromium on SwiftShader: node page.mjs SITE OUT PLAYWRIGHT CHROMIUM NATIVE SCENES [full]. With `full` a pair of
-// 512x512 is timed too. Pixels are compared with what NATIVE (`--example web_native`) renders on the same driver. Screenshots and figures come to OUT.
+// Tests the page in a headless Chromium on SwiftShader: node page.mjs SITE OUT PLAYWRIGHT CHROMIUM NATIVE SCENES
+// [full]. With `full` a pair of 512x512 is timed too. Pixels are compared with the output of NATIVE (`--example
+// web_native`) on the same driver. Screenshots and figures are written to OUT.
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
 import { mkdir, readFile, readdir, rm, writeFile } from "node:fs/promises";
@@ -35,7 +36,7 @@ async function test(name, work) {
     }
 }
 
-/** A page that is open, and what went wrong on it. */
+/** Opens a page and collects its errors. */
 async function opened(query = "", { viewport = { width: 1280, height: 860 }, prepare, ...options } = {}) {
     const context = await browser.newContext({ viewport, acceptDownloads: true, ...options });
     const page = await context.newPage();
@@ -46,7 +47,7 @@ async function opened(query = "", { viewport = { width: 1280, height: 860 }, pre
     page.on("request", (request) => {
         if (!request.url().startsWith(address) && !/^(blob|data):/.test(request.url())) foreign.push(request.url());
     });
-    // What keeps the main thread from answering, once the page is there.
+    // Long tasks of the main thread are recorded, once the page is there.
     await page.addInitScript(() => {
         globalThis.longTasks = [];
         new PerformanceObserver((list) => globalThis.longTasks.push(...list.getEntries().map(({ startTime, duration }) => [startTime, duration]))).observe({ type: "longtask", buffered: true });
@@ -56,9 +57,9 @@ async function opened(query = "", { viewport = { width: 1280, height: 860 }, pre
     return { page, context, faults, foreign };
 }
 
-/** Waits for a whole picture of what was asked for last. */
+/** Waits for a whole picture of the last request. */
 async function whole(page) {
-    // A wish is there at once, or within the time after which a drag has come to rest.
+    // A wish is set at once, or within the delay after a drag.
     await page.waitForTimeout(250);
     await page.waitForFunction(() => document.documentElement.dataset.state === "whole" && document.querySelector("#busy").hidden);
 }
@@ -80,7 +81,7 @@ async function slide(page, id, value) {
     await whole(page);
 }
 
-/** What the canvas shows. */
+/** Returns the pixels of the canvas. */
 const pixels = (page) => page.evaluate(() => {
     const canvas = document.querySelector("#picture");
     const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
@@ -97,7 +98,7 @@ async function drop(page, files) {
     }, given);
 }
 
-/** The pictures of a PNG file, decoded by the browser. */
+/** Returns the pixels of a PNG file, decoded by the browser. */
 const decoded = (page, bytes) => page.evaluate(async (bytes) => {
     const bitmap = await createImageBitmap(new Blob([new Uint8Array(bytes)], { type: "image/png" }), { premultiplyAlpha: "none", colorSpaceConversion: "none" });
     const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
@@ -106,7 +107,7 @@ const decoded = (page, bytes) => page.evaluate(async (bytes) => {
     return [...context.getImageData(0, 0, bitmap.width, bitmap.height).data];
 }, [...bytes]);
 
-/** Renders natively what the page shows. */
+/** Renders the page's pictures natively. */
 async function natively(folder, request) {
     await mkdir(folder, { recursive: true });
     const file = path.join(folder, "request.json");
@@ -115,7 +116,7 @@ async function natively(folder, request) {
     return JSON.parse(stdout);
 }
 
-/** What differs between two lists of bytes. */
+/** Returns the difference between two lists of bytes. */
 function difference(a, b) {
     assert.equal(a.length, b.length);
     let count = 0;
@@ -127,7 +128,7 @@ function difference(a, b) {
     return { bytes: a.length, differing: count, most };
 }
 
-/** The page's pictures by each method, compared with the native library's. */
+/** Compares the page's pictures by each method with the native library's. */
 async function sameAsNative(page, name, scene) {
     const worker = page.workers()[0];
     for (const method of METHODS) {
@@ -141,15 +142,15 @@ async function sameAsNative(page, name, scene) {
             const found = difference(here, there);
             figures[`${name} ${method} ${eye}`] = found;
             assert.ok(new Set(here).size > 20, `${name} ${method} ${eye}: a picture of next to nothing`);
-            // Files are read to the same numbers. What is made by sines and powers, of which each system has its own, may differ in its last
-            // bits: of the hall one byte of 110,592 does, by 1, on the machine that this was written on.
+            // Files are read to the same numbers. Values from sines and powers, which differ between systems, may
+            // differ in the last bits. One byte of 110,592 of the hall differs by 1, as measured on one machine.
             const allowed = scene.builtin ? { differing: 8, most: 1 } : { differing: 0, most: 0 };
             assert.ok(found.differing <= allowed.differing && found.most <= allowed.most, `${name} ${method} ${eye}: ${JSON.stringify(found)}`);
         }
     }
 }
 
-/** Has the worker keep what it is asked to render, and the devices that it opens. */
+/** Makes the worker record its requests and the devices that it opens. */
 async function watched(page) {
     await page.route("**/engine.js", async (route) => {
         const response = await route.fetch();
@@ -164,7 +165,7 @@ async function watched(page) {
             addEventListener("message", ({ data }) => { if (data.task === "render") globalThis.asked = data; });
         `;
         const text = await response.text();
-        // Imports come first whatever stands before them.
+        // Imports are hoisted, so code may come before them.
         await route.fulfill({ response, body: before + text });
     });
 }
@@ -239,7 +240,7 @@ await test("settings change the picture, gestures and keys move the eyes, and th
     assert.equal(JSON.stringify(await pixels(page)), seen[0], "r brings the first picture back");
     const long = await page.evaluate(() => globalThis.longTasks);
     figures.longTasks = long;
-    // The first seconds compile the page itself.
+    // In the first seconds the page itself is compiled.
     assert.deepEqual(long.filter(([start, duration]) => start > 3000 && duration > 50), [], "tasks over 50 ms");
     assert.deepEqual(faults, []);
     await context.close();
@@ -281,7 +282,7 @@ await test("comparison, downloads, quilt and chart", async () => {
     await context.close();
 });
 
-/** A .glb of one triangle with a camera. */
+/** Returns a .glb of one triangle with a camera. */
 function triangle() {
     const positions = Buffer.from(new Float32Array([-1, -1, 0, 1, -1, 0, 0, 1, 0]).buffer);
     const text = JSON.stringify({
@@ -431,7 +432,7 @@ await test("wrong values are refused by name", async () => {
                 found.push(`${error.name}: ${error.message}`);
             }
         }
-        // At once, they come one after the other.
+        // Simultaneous requests are rendered one after the other.
         const both = await Promise.all([render(scene, camera), render(scene, camera, { method: "naive" })]);
         return [...found, both.map((pair) => pair.width).join()];
     });
@@ -476,7 +477,7 @@ if (full) await test("the time of a pair of 512x512", async () => {
             for (const method of Object.keys(times)) {
                 const begin = performance.now();
                 const pair = await renderer.render(scene, camera, { method });
-                // The first one compiles.
+                // The first round compiles kernels.
                 if (round) times[method].push(performance.now() - begin);
                 pair.free();
             }

@@ -1,4 +1,4 @@
-// What a user of the package writes, for the compiler alone: it has to accept this, and to refuse what is marked.
+// Code of a user of the package, for the compiler alone. The compiler must accept it, and refuse the marked lines.
 import { Pair, Renderer, Scene, methods, render, type Camera, type Difference, type RenderOptions, type Statistics } from "../../target/page/pkg/index.js";
 
 const scene: Scene = Scene.fromFiles({ "a.obj": new Uint8Array(3) });
@@ -18,7 +18,7 @@ console.log(shown, quilt);
 const flat: Camera = { eye: [0, 1], target: [0, 0, 0] };
 // @ts-expect-error: an unknown field
 const odd: RenderOptions = { sample: 4 };
-// @ts-expect-error: an eye that there is not
+// @ts-expect-error: an unknown eye
 pair.depth("middle");
 // @ts-expect-error: arrays of numbers are no typed arrays
 scene.addMesh({ positions: [0, 0, 0] });

@@ -84,7 +84,7 @@ class Parquet:
         columns |= {name: pyarrow.array(data, pyarrow.binary()) for name, data in files.items()}
         table = pyarrow.table(columns)
         if self._writer is None:
-            # Compression would not shrink PNG, and NPY hardly.
+            # Compression would not shrink PNG data, and NPY data hardly.
             file = pyarrow.PythonFile(self._file, "w")
             self._writer = self._parquet.ParquetWriter(file, table.schema, compression="none")
         self._writer.write_table(table)

@@ -64,7 +64,7 @@ def _json(text: str) -> Any:
         return json.loads(text, object_pairs_hook=mapping)
     except SpecError:
         raise
-    except ValueError as error:  # also for a number of thousands of digits
+    except ValueError as error:  # also raised for a number of thousands of digits
         raise SpecError(f"invalid JSON: {error}") from error
     except RecursionError:
         raise SpecError(f"its lists and mappings are nested more than {MOST_LEVELS} levels deep") from None
@@ -87,7 +87,7 @@ def _loader(yaml: Any) -> Any:
 
         def compose_node(self, parent: Any, index: Any) -> Any:
             self.level += 1
-            if self.level > MOST_LEVELS + 1:  # values in the deepest list are one level more
+            if self.level > MOST_LEVELS + 1:  # values in the deepest list are one level deeper
                 line = self.peek_event().start_mark.line + 1
                 raise SpecError(f"line {line}: lists and mappings are nested more than {MOST_LEVELS} levels deep")
             try:

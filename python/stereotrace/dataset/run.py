@@ -250,7 +250,7 @@ class DataSet:
                     file.seek(0)
                     with self.store.writing(MANIFEST) as written:
                         shutil.copyfileobj(file, written)
-            # A run that ended meanwhile wrote a manifest that this one has just replaced.
+            # A concurrent run may have written a manifest that this run has just replaced.
             after = self._stamps()
             if before == after:
                 break

@@ -38,7 +38,7 @@ class Written(io.RawIOBase):
 
     def write(self, data: Any) -> int:
         view = memoryview(data).cast("B")
-        # Writers of tar and Parquet files write an end even after an error. Then there is no file any more.
+        # Writers of tar and Parquet files write an end even after an error. The file is closed by then.
         if self._file is not None:
             self._hash.update(view)
             self._file.write(view)
@@ -65,7 +65,7 @@ class Store:
         fsspec = needs("fsspec", "dataset")
         self.url = url
         self.options = options or {}
-        # fsspec would take colons in a path for a chain of file systems.
+        # fsspec would interpret colons in a path as a chain of file systems.
         self.is_local = "://" not in url
         if self.is_local:
             self._files, root = fsspec.filesystem("file", **self.options), os.path.abspath(url)

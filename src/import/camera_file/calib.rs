@@ -39,10 +39,10 @@ impl StereoCamera {
         Self::from_middlebury_within(path, scale, &Limits::default())
     }
 
-    /// Does the same as [`StereoCamera::from_middlebury`], with the given limits: the one on JSON files applies.
+    /// Does the same as [`StereoCamera::from_middlebury`], with the given limits. The limit on JSON files applies.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::from_middlebury`].
+    /// Returns the errors of [`StereoCamera::from_middlebury`].
     pub fn from_middlebury_within(path: impl AsRef<Path>, scale: f32, limits: &Limits) -> Result<Self, Error> {
         let file = File::read(path.as_ref(), '=', limits)?;
         file.without_distortion()?;
@@ -75,24 +75,24 @@ impl StereoCamera {
     /// Reads a pair from a KITTI calibration. The file has the projection matrices `P0` to `P3` (object, odometry and
     /// scene flow), or `P_rect_00` to `P_rect_03` (`calib_cam_to_cam.txt`), 12 numbers each.
     ///
-    /// `cameras` are the left and the right one: `[2, 3]` are the colour cameras. `size` is the picture's,
-    /// `[width, height]`; it must agree with `S_rect` if the file has it.
+    /// `cameras` are the left and the right camera: `[2, 3]` are the colour cameras. `size` is the size of the picture,
+    /// `[width, height]`. It must agree with `S_rect` if the file has it.
     ///
     /// World units are metres times `scale`. Eye positions and pixel centres follow [`StereoCamera::from_middlebury`].
-    /// `P = K [I | t]` puts a camera at `-t`: the baseline is the cameras' distance along x. The colour cameras also
-    /// stand up to 0.5% of it off this axis, so rows are not exact epipolar lines. An offset of up to 1% is ignored,
-    /// with a warning.
+    /// `P = K [I | t]` puts a camera at `-t`, so the baseline is the cameras' distance along x. The colour cameras also
+    /// have an offset from this axis of up to 0.5% of the baseline, so rows are not exact epipolar lines. An offset of
+    /// up to 1% is ignored, with a warning.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::from_middlebury`].
+    /// Returns the errors of [`StereoCamera::from_middlebury`].
     pub fn from_kitti(path: impl AsRef<Path>, cameras: [u32; 2], size: [u32; 2], scale: f32) -> Result<Self, Error> {
         Self::from_kitti_within(path, cameras, size, scale, &Limits::default())
     }
 
-    /// Does the same as [`StereoCamera::from_kitti`], with the given limits: the one on JSON files applies.
+    /// Does the same as [`StereoCamera::from_kitti`], with the given limits. The limit on JSON files applies.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::from_middlebury`].
+    /// Returns the errors of [`StereoCamera::from_middlebury`].
     pub fn from_kitti_within(
         path: impl AsRef<Path>,
         cameras: [u32; 2],
@@ -305,7 +305,7 @@ mod tests {
                     assert!(off < 2e-3, "{off} px");
                     assert!((depth / f64::from(scale) / z - 1.0).abs() < 1e-6);
                 }
-                // Z = baseline f / (d + doffs), by the data set's documentation.
+                // By the data set's documentation, Z = baseline f / (d + doffs).
                 let disparity = pose.disparity_px((z * f64::from(scale)) as f32);
                 assert!((193.001 * 3979.911 / (disparity + 124.343) - z).abs() < 1e-3 * z);
             }

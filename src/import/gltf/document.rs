@@ -43,7 +43,7 @@ const BASE64: engine::GeneralPurpose = engine::GeneralPurpose::new(
 /// Prefix of a URI that contains its data.
 const DATA: &str = "data:";
 
-/// Size that an object of the JSON counts at least. Two bytes may become a material of some 280.
+/// Minimum size in bytes that a JSON object counts. Two bytes of JSON may become a material of some 280 bytes.
 const OBJECT_BYTES: u64 = 32;
 
 /// A file's JSON with its resources.
@@ -54,7 +54,7 @@ pub(super) struct Document<'a> {
     /// Transforms of each node in f64; `root` has them in f32.
     pub(super) shifts: Vec<Shifts>,
     pub(super) limits: Limits,
-    /// Images of textures by [`WEBP`].
+    /// Image of each texture that uses the extension [`WEBP`].
     #[cfg(feature = "more-textures")]
     webp: Vec<Option<usize>>,
     /// Bytes of a binary file, and the range of its buffer.

@@ -99,7 +99,8 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Returns the picture of a texture; `by` names it in messages. `None` for an unreadable one if that is no error.
+    /// Returns the picture of a texture; `by` names it in messages. Returns `None` for an unreadable picture if that is
+    /// no error.
     pub(super) fn picture(
         &mut self,
         index: Index<Description>,
@@ -149,8 +150,8 @@ impl<'a> Textures<'a> {
         self.added((picture.number, picture.texture.wrap, None), picture.texture.clone())
     }
 
-    /// Returns the texture id of a picture that is cut out below an alpha. `None` if the picture exceeds the limits and
-    /// that is no error.
+    /// Returns the texture id of a picture that is cut out below an alpha. Returns `None` if the picture exceeds the
+    /// limits and that is no error.
     pub(super) fn cutout(
         &mut self,
         picture: &Picture,
@@ -210,14 +211,15 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Returns the image of a texture; `None` if only unsupported extensions have one.
+    /// Returns the image of a texture, or `None` if only unsupported extensions have one.
     fn image(&self, index: Index<Description>, by: &str) -> Result<Option<usize>, Error> {
         let description = self.document.item(("textures", &self.document.root.textures), index.value(), by)?;
         let own = Some(description.source.value()).filter(|&source| source != u32::MAX as usize);
         Ok(self.document.extended_image(index.value()).or(own))
     }
 
-    /// Returns the index of a texture's image and of its picture. `None` for an unreadable one if that is no error.
+    /// Returns the index of a texture's image and of its picture. Returns `None` for an unreadable picture if that is
+    /// no error.
     fn number(
         &mut self,
         index: Index<Description>,
@@ -258,7 +260,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Returns the texture of an image's picture. `None` for an unreadable one if that is no error.
+    /// Returns the texture of an image's picture. Returns `None` for an unreadable picture if that is no error.
     fn loaded(
         &mut self,
         (image, number): (usize, usize),

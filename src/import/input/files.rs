@@ -80,7 +80,7 @@ impl<'a> Files<'a> {
     /// Returns a file's bytes.
     ///
     /// # Errors
-    /// Those of [`open`]; [`Error::Io`] for a file that is not in memory.
+    /// Returns the errors of [`open`], and [`Error::Io`] for a file that is not in memory.
     pub(crate) fn read_bytes(self, path: &Path, limit: u64, raised_by: &str) -> Result<Cow<'a, [u8]>, Error> {
         match self.given(path)? {
             Some(bytes) => {

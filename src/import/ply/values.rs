@@ -6,7 +6,7 @@ use super::header::Scalar;
 pub(super) trait Values {
     /// Begins an item of an element.
     fn begin(&mut self) -> Result<(), String>;
-    /// Ends an item. Unread values of it are an error.
+    /// Ends an item. Returns an error if the item has unread values.
     fn end(&mut self) -> Result<(), String>;
     fn number(&mut self, scalar: Scalar) -> Result<f64, String>;
     /// Skips `count` numbers.
@@ -79,7 +79,7 @@ impl Values for Binary<'_> {
     }
 }
 
-/// Body of a text file: a line per item of an element.
+/// Body of a text file, which has one line per item of an element.
 pub(super) struct Text<'a> {
     rest: &'a [u8],
     item: &'a [u8],

@@ -29,7 +29,7 @@ impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
     }
 
     /// Reads bytes and counts run marks, which may replace pixels. Each consecutive mark multiplies the run by 256. The
-    /// crate panics when a `usize` overflows: at the eighth mark, with 32 bits at the fourth.
+    /// crate panics when a `usize` overflows: at the eighth mark with 64 bits, at the fourth with 32 bits.
     fn read_exact(&mut self, bytes: &mut [u8]) -> std::io::Result<()> {
         self.inner.read_exact(bytes)?;
         self.marks = if matches!(bytes, [1, 1, 1, _]) { self.marks + 1 } else { 0 };
@@ -214,7 +214,7 @@ mod tests {
         ];
         for (name, kind) in kinds {
             let mut picture = DynamicImage::new(6, 3, kind);
-            // With noise, a sample that is overwritten before it is read shows.
+            // Noise reveals a sample that is overwritten before it is read.
             let mut noise = (0..).map(|index: u32| (index.wrapping_mul(2_654_435_761) >> 24) as u8);
             match &mut picture {
                 DynamicImage::ImageLuma8(p) => p.fill_with(|| noise.next().unwrap()),

@@ -1,4 +1,4 @@
-//! Compares the host's structs and numbers with those of WGSL.
+//! Compares the host's structs and numbers with the structs and numbers of WGSL.
 
 use std::mem::offset_of;
 

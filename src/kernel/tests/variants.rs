@@ -94,7 +94,7 @@ pub(super) fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
     let pairs_of = |a, b| choices(a).flat_map(move |x| choices(b).map(move |y| (x, y)));
     let mut open: BTreeSet<_> = (0..N).flat_map(|b| (0..b).flat_map(move |a| pairs_of(a, b))).collect();
     let mut rows = Vec::new();
-    // A row begins with a pair that has not occurred. Its other choices are those that add most such pairs.
+    // A row begins with a pair that has not occurred. Its other choices are the ones that add the most new pairs.
     while let Some(&(first, second)) = open.first() {
         let mut row = vec![first, second];
         for option in (0..N).filter(|&option| option != first.0 && option != second.0) {
@@ -111,11 +111,12 @@ pub(super) fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
     rows
 }
 
-/// Returns variants in which any two choices occur together. All combinations would be tens of thousands.
+/// Returns variants in which any two choices occur together. There would be tens of thousands of combinations of all
+/// choices.
 pub(super) fn variants() -> Vec<Variant> {
     let traversals = Traversal::ALL.iter().flat_map(|&traversal| [(traversal, false), (traversal, true)]);
     let traversals: Vec<_> = traversals.filter(|(with, world)| with.boxes == Boxes::F32 || !world).collect();
-    // Spheres, triangles, normals, ellipsoids.
+    // The columns are spheres, triangles, normals and ellipsoids.
     let kinds = [
         [true, false, false, false],
         [false, true, false, false],
@@ -157,7 +158,8 @@ pub(super) fn variants() -> Vec<Variant> {
             ellipsoids,
             planes: [0, 1, 8][planes],
             normals,
-            // Scenes without any of these; textures on balls and on triangles, with and without the others.
+            // Some surfaces have none of these features. Textures occur on spheres and on triangles, with and without
+            // the others.
             uv: [2, 5].contains(&surfaces),
             colors: [3, 5].contains(&surfaces),
             textures: ![0, 4, 6].contains(&surfaces),
@@ -167,7 +169,8 @@ pub(super) fn variants() -> Vec<Variant> {
             cutouts: triangles && cutouts == 1,
             lights: light > 0,
             shadows: shadows[light.saturating_sub(1)],
-            // No soft light; lights; occlusion; both; the sky; the sky with lights. Some lights cast no shadows.
+            // `soft` is 0 for no soft light, 1 for extended lights, 2 for occlusion, and 3 for both. It is 4 for sky
+            // light, and 5 for sky light with extended lights. In some variants lights cast no shadows.
             soft_lights: soft % 2 == 1,
             casts: soft == 0 || light % 2 == 1,
             shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
@@ -190,15 +193,15 @@ pub(super) fn variants() -> Vec<Variant> {
                 .map(|rule| Reading::new(rule, 0b101)),
         }
     };
-    // The choices paired with scenes of spheres alone are also paired with scenes without a tree: empty ones, or planes
-    // alone.
+    // The choices of rows with spheres only also occur in scenes without a tree. These are empty or have planes only.
     let spheres_alone = rows.iter().filter(|row| row[1] == 0);
     let empty = spheres_alone.map(|row| Variant { spheres: false, ..with(row) });
     rows.iter().map(with).chain(empty).collect()
 }
 
-/// Returns the variants of a kernel. Those of `bracket` keep samples, those of mirrors have mirrors, those of soft
-/// light have such light. A scene without a tree has no tiles to bound and nothing to draw.
+/// Returns the variants of a kernel. All variants keep samples if the kernel reads them, have mirrors if it is for
+/// mirrors, and have soft light if it samples soft light. Scenes without a tree have no tiles to bound and nothing to
+/// draw.
 pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
     match kernel.role {
@@ -208,7 +211,7 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
         }
         Role::Shade(Shading::Soft | Shading::SoftListed) => all.retain(Variant::is_soft),
         Role::Shade(Shading::SoftUnknown) => all.retain(|with| with.is_soft() && with.has_tree()),
-        // Tables are read for planes alone, too.
+        // Shadow-buffers are also read in scenes with planes only.
         Role::Draw(Canvas::Middles | Canvas::Texels) if kernel.main.file.contains("/read_") => {}
         Role::Hits(Hits::Tiles | Hits::Drawn) | Role::Draw(_) => all.retain(Variant::has_tree),
         Role::Shade(Shading::Sky | Shading::Reused | Shading::Unknown) => all.retain(Variant::has_tree),

@@ -6,7 +6,7 @@ use stereotrace::{
 
 use super::gpu;
 
-/// A white floor at y = 0 under a black sky, without ambient light.
+/// Returns a white floor at y = 0 under a black sky, without ambient light.
 pub(crate) fn floor() -> Scene {
     let mut scene = Scene::new();
     let white = scene.add_material(Material::new(Vec3::ONE));
@@ -18,8 +18,8 @@ pub(crate) fn floor() -> Scene {
     scene
 }
 
-/// What the floor shows, seen straight from above, so that a pixel's place follows from its row and column: `[x, z,
-/// light]`.
+/// Returns what the floor shows, seen straight from above, as `[x, z, light]`. A pixel's position on the floor follows
+/// from its row and column.
 pub(crate) fn light_on_floor(scene: &Scene, options: &Options, half: f32, seeds: u32) -> Vec<[f64; 3]> {
     let mut renderer = Renderer::new(gpu());
     let uploaded = renderer.upload(scene).wait().unwrap();
@@ -45,7 +45,7 @@ pub(crate) fn naive() -> Options {
     Options::new(Method::Naive)
 }
 
-/// The largest and the root mean square difference from a closed form.
+/// Returns the largest and the root mean square difference from a closed form.
 pub(crate) fn errors(pixels: &[[f64; 3]], form: impl Fn(f64, f64) -> f64) -> (f64, f64) {
     let off = pixels.iter().map(|&[x, z, light]| (light - form(x, z)).abs());
     let (largest, squares) =

@@ -1,4 +1,4 @@
-//! Temporary folders: one for each test, removed with all that is in it when the test is over.
+//! Temporary folders: one for each test, removed with its content when the test is over.
 
 use std::{
     fs, io,
@@ -7,18 +7,18 @@ use std::{
     sync::atomic::{AtomicU32, Ordering},
 };
 
-/// A new, empty folder below the system's own for temporary files.
+/// A new, empty folder within the system's folder for temporary files.
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    /// `name` stands in the folder's name, so that a message shows whose it is.
+    /// Makes a folder with `name` in its name, so that a message shows to which test it belongs.
     pub(crate) fn new(name: &str) -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         loop {
             let count = COUNT.fetch_add(1, Ordering::Relaxed);
             let path = std::env::temp_dir().join(format!("stereotrace-{name}-{}-{count}", process::id()));
             match fs::create_dir(&path) {
-                // Left by a process that died and had this one's number.
+                // A process that died with the same process id left this folder.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 created => return created.map(|()| Self(path)).expect("a folder for temporary files"),
             }
@@ -29,12 +29,12 @@ impl Folder {
         &self.0
     }
 
-    /// Where a file of this name lies, or will.
+    /// Returns the path of a file of this name, which need not exist.
     pub(crate) fn file(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
 
-    /// Writes a file, and the folders above it, and says where it lies.
+    /// Writes a file and the folders above it, and returns its path.
     pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
         let path = self.file(name);
         fs::create_dir_all(path.parent().expect("a file lies in a folder")).expect("a folder within this one");
@@ -42,7 +42,7 @@ impl Folder {
         path
     }
 
-    /// The names of all that lies in it, in order.
+    /// Returns the names of all entries, sorted.
     pub(crate) fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(&self.0).expect("this folder is there until it is dropped");
         let mut names: Vec<_> =
@@ -54,6 +54,6 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0); // what is left is the system's to clear
+        let _ = fs::remove_dir_all(&self.0); // the system clears the rest
     }
 }

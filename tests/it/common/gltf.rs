@@ -1,4 +1,4 @@
-//! glTF files for tests, put together piece by piece.
+//! glTF files for tests, built item by item.
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde_json::{Value, json};
@@ -11,7 +11,7 @@ pub(crate) struct Builder {
 }
 
 impl Builder {
-    /// A scene of no nodes.
+    /// Makes a scene without nodes.
     pub(crate) fn new() -> Self {
         Self {
             json: json!({ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [] }] }),
@@ -50,7 +50,7 @@ impl Builder {
         self.push("accessors", json!({ "bufferView": view, "componentType": component, "type": kind, "count": count }))
     }
 
-    /// Vectors of N numbers.
+    /// Adds an accessor of vectors of N numbers and returns its index.
     pub(crate) fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let kind = ["", "SCALAR", "VEC2", "VEC3", "VEC4"][N];
         let bytes: Vec<u8> = values.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
@@ -62,7 +62,7 @@ impl Builder {
         self.accessor(&bytes, 5125, "SCALAR", indices.len())
     }
 
-    /// Adds a mesh of one primitive with these positions, and what else it has.
+    /// Adds a mesh of one primitive with these positions and further fields.
     pub(crate) fn mesh(&mut self, positions: &[[f32; 3]], more: Value) -> usize {
         let mut primitive = json!({ "attributes": { "POSITION": self.floats(positions) } });
         for (key, value) in more.as_object().unwrap() {
@@ -76,7 +76,7 @@ impl Builder {
         self.push("meshes", json!({ "primitives": [primitive] }))
     }
 
-    /// A triangle of one material, at a node.
+    /// Makes a triangle of one material, at a node.
     pub(crate) fn triangle(material: Value) -> Self {
         let mut builder = Self::new();
         let material = builder.push("materials", material);
@@ -94,7 +94,7 @@ impl Builder {
         self.push("textures", json!({ "source": image }))
     }
 
-    /// As text, with its buffer in a URI.
+    /// Returns the file as text, with its buffer in a URI.
     pub(crate) fn text(&self) -> String {
         let mut json = self.json.clone();
         if !self.bytes.is_empty() {
@@ -103,7 +103,7 @@ impl Builder {
         serde_json::to_string_pretty(&json).unwrap()
     }
 
-    /// As a binary file.
+    /// Returns the file as a binary file.
     pub(crate) fn binary(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         if !self.bytes.is_empty() {
@@ -117,7 +117,7 @@ pub(crate) fn data_uri(bytes: &[u8]) -> String {
     format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes))
 }
 
-/// A binary file of this JSON and this buffer.
+/// Returns a binary file of this JSON and this buffer.
 pub(crate) fn binary(mut json: Vec<u8>, buffer: &[u8]) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let padding = buffer.len().next_multiple_of(4) - buffer.len();

@@ -1,4 +1,4 @@
-//! What the integration tests share: the device, its name in the output, scenes and comparisons.
+//! Shared parts of the integration tests: the device, its name in the output, scenes and comparisons.
 pub(crate) mod floor;
 pub(crate) mod folder;
 pub(crate) mod gltf;
@@ -22,16 +22,16 @@ use stereotrace::{
 
 pub(crate) use self::random_scene::{RandomScene, random_ellipsoid, random_foliage, random_stage};
 
-/// The device of this test, on `software` unless `STEREOTRACE_ADAPTER` says otherwise. A missing adapter is a failure
-/// with a remedy, not a skip. There are as many devices as tests run at a time, since a software driver compiles all
-/// kernels of a device in one thread.
+/// Returns the device of this test, on `software` unless `STEREOTRACE_ADAPTER` says otherwise. A missing adapter is a
+/// failure with a remedy, not a skip. Each test that runs at the same time has its own device, since a software driver
+/// compiles all kernels of a device in one thread.
 pub(crate) fn gpu() -> Gpu {
     static DEVICES: Mutex<Vec<Gpu>> = Mutex::new(Vec::new());
     let mut devices = lock(&DEVICES);
     SEAT.with(|seat| {
         while devices.len() <= seat.0 {
             let gpu = own_gpu();
-            // Not through eprintln: the test harness would keep it to itself.
+            // The test harness would hide output of eprintln.
             let _ = writeln!(std::io::stderr(), "adapter: {}, driver {}", gpu.adapter_name(), gpu.driver());
             devices.push(gpu);
         }
@@ -40,14 +40,14 @@ pub(crate) fn gpu() -> Gpu {
 }
 
 thread_local! {
-    /// That of this thread, which is a test's.
+    /// The seat of this thread, which belongs to one test.
     static SEAT: Seat = Seat::take();
 }
 
-/// Numbers from 0 that no other thread has.
+/// Whether each device number is taken by a thread.
 static TAKEN: Mutex<Vec<bool>> = Mutex::new(Vec::new());
 
-/// The number of a device, free again when its thread ends.
+/// The number of a device. It is free again when its thread ends.
 struct Seat(usize);
 
 impl Seat {
@@ -68,18 +68,18 @@ impl Drop for Seat {
     }
 }
 
-/// What a failed test held is whole.
+/// Locks a mutex. The values stay whole if a test fails, so poisoning is ignored.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A device of a test's own on the same adapter.
+/// Opens a device for one test alone, on the same adapter.
 pub(crate) fn own_gpu() -> Gpu {
     let wanted = std::env::var("STEREOTRACE_ADAPTER").unwrap_or_else(|_| "software".into());
     Gpu::open(wanted).wait().unwrap_or_else(|error| panic!("{error}; or run `sh scripts/test.sh`, which installs one"))
 }
 
-/// A device of the tests' adapter with limits of the caller's choice.
+/// Opens a device of the tests' adapter with the given limits.
 pub(crate) fn device(limits: wgpu::Limits) -> (wgpu::Device, wgpu::Queue) {
     let own = gpu();
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
@@ -93,20 +93,20 @@ pub(crate) fn device(limits: wgpu::Limits) -> (wgpu::Device, wgpu::Queue) {
     pollster::block_on(adapter.request_device(&descriptor)).unwrap()
 }
 
-/// A [`Gpu`] of the caller's own on the tests' adapter, with these limits.
+/// Opens a separate [`Gpu`] on the tests' adapter, with these limits.
 pub(crate) fn gpu_with_limits(limits: wgpu::Limits) -> Gpu {
     let (device, queue) = device(limits);
     Gpu::from_device(device, queue).unwrap()
 }
 
-/// A renderer on this test's device, lent to it. Tests of a file share renderers, so that pipelines are built once;
-/// those of other files are dropped, since thousands of pipelines take gigabytes.
+/// Lends a renderer on this test's device. Tests of a file share renderers, so that pipelines are built once. Renderers
+/// of other files are dropped, since thousands of pipelines take gigabytes.
 #[track_caller]
 pub(crate) fn renderer() -> Lent {
     renderer_by(Traversal::of(&gpu()))
 }
 
-/// The same with a traversal of the caller's choice.
+/// Does the same as [`renderer`], with the given traversal.
 #[track_caller]
 pub(crate) fn renderer_by(traversal: Traversal) -> Lent {
     let key = (Location::caller().file(), traversal, SEAT.with(|seat| seat.0));
@@ -119,12 +119,12 @@ pub(crate) fn renderer_by(traversal: Traversal) -> Lent {
     Lent { key, renderer: Some(found.unwrap_or_else(|| Renderer::with_traversal(gpu(), traversal))) }
 }
 
-/// The file that a renderer was lent to, its traversal, and its device's number.
+/// The file that a renderer was lent to, its traversal, and the number of its device.
 type Key = (&'static str, Traversal, usize);
 
 static FREE: Mutex<Vec<(Key, Renderer)>> = Mutex::new(Vec::new());
 
-/// A renderer that goes back when it is dropped.
+/// A renderer that is given back when it is dropped.
 pub(crate) struct Lent {
     key: Key,
     renderer: Option<Renderer>,
@@ -145,7 +145,7 @@ impl DerefMut for Lent {
 }
 
 impl Drop for Lent {
-    /// What a failed test leaves is dropped.
+    /// The renderer of a failed test is dropped.
     fn drop(&mut self) {
         if let (Some(renderer), false) = (self.renderer.take(), std::thread::panicking()) {
             lock(&FREE).push((self.key, renderer));
@@ -153,18 +153,18 @@ impl Drop for Lent {
     }
 }
 
-/// Whether tests run in their long form: `STEREOTRACE_TESTS=long`.
+/// Returns whether tests run in their long form: `STEREOTRACE_TESTS=long`.
 pub(crate) fn is_long() -> bool {
     std::env::var_os("STEREOTRACE_TESTS").is_some_and(|form| form == "long")
 }
 
-/// Traversals among which each pair of their three choices occurs; all eight in the long form.
+/// Returns traversals in which each pair of their three choices occurs. In the long form, returns all eight.
 pub(crate) fn traversals() -> Vec<Traversal> {
     let pairwise = [0, 3, 4, 7].map(|place| Traversal::ALL[place]);
     if is_long() { Traversal::ALL.into() } else { pairwise.into() }
 }
 
-/// Software Vulkan neither contracts nor reorders f32: there results must agree bit for bit.
+/// Returns whether results must agree bit for bit. Software Vulkan neither contracts nor reorders f32.
 pub(crate) fn is_exact(renderer: &Renderer) -> bool {
     let info = renderer.gpu().adapter_info();
     info.device_type == wgpu::DeviceType::Cpu && info.backend == wgpu::Backend::Vulkan
@@ -177,7 +177,7 @@ pub(crate) fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> St
     renderer.pair(&uploaded, camera).options(&Options::new(method).linear(true)).read().wait().unwrap()
 }
 
-/// A closed sphere of triangles: `rings` from pole to pole, twice as many segments.
+/// Returns a closed sphere of triangles, with `rings` rings from pole to pole and twice as many segments.
 pub(crate) fn ball(center: Vec3, radius: f32, rings: u32) -> Mesh {
     let segments = 2 * rings;
     let point = |ring: u32, segment: u32| {

@@ -1,11 +1,11 @@
-//! Rays in double precision, sharing no code with the library.
+//! Rays in double precision, which share no code with the library.
 
 use stereotrace::{
     Scene,
     glam::{DMat3, DVec3, Vec3},
 };
 
-/// t of a ray's nearest hit in double precision, by a loop over all primitives; infinite where there is none.
+/// Returns t of a ray's nearest hit in double precision, by a loop over all primitives. Returns infinity for a miss.
 pub(crate) fn nearest(scene: &Scene, origin: DVec3, direction: DVec3) -> f64 {
     let triangles = scene.triangles().iter().map(|triangle| {
         let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - origin);

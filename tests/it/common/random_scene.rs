@@ -1,4 +1,4 @@
-//! Random scenes: one to find hits wrong in, one to find shadows wrong in.
+//! Random scenes: one to find wrong hits, one to find wrong shadows.
 
 use stereotrace::{
     Ellipsoid, Light, Material, MaterialId, Mesh, Scene, Sphere, Texture, Wrap,
@@ -7,19 +7,19 @@ use stereotrace::{
 
 use super::random::Random;
 
-/// Triangles, spheres and ellipsoids without order, in a cube of two units or so about the origin. Some triangles stand
-/// there twice (coincident surfaces, under other ids), some have no area, some lie in one axis-aligned plane, some are
-/// large; each sphere and ellipsoid stands there twice. Every other ellipsoid is turned and sheared.
+/// Triangles, spheres and ellipsoids without order, in a cube of about two units around the origin. Some triangles
+/// occur twice (coincident surfaces, with other ids), some have no area, some lie in one axis-aligned plane, and some
+/// are large. Each sphere and ellipsoid occurs twice. Every other ellipsoid is rotated and sheared.
 #[derive(Clone, Copy)]
 pub(crate) struct RandomScene {
     pub seed: u32,
     pub triangles: usize,
     pub spheres: usize,
     pub ellipsoids: usize,
-    /// Whether triangles have vertex normals, which point anywhere.
+    /// Whether triangles have vertex normals, in random directions.
     pub smooth: bool,
     pub scale: f32,
-    /// Added to each coordinate after the scale.
+    /// Offset that is added to each coordinate after scaling.
     pub offset: f32,
 }
 
@@ -76,7 +76,7 @@ impl RandomScene {
     }
 }
 
-/// An ellipsoid about a point of a cube of two units, up to 20 times as long as it is thick.
+/// Returns an ellipsoid around a point in a cube of two units, up to 20 times as long as it is thick.
 pub(crate) fn random_ellipsoid(random: &mut Random, turned: bool, longest: f32) -> Ellipsoid {
     let radii = Vec3::from_array([(); 3].map(|()| longest * random.between(0.1, 1.0)));
     let axes = Mat3::from_diagonal(radii);
@@ -86,7 +86,7 @@ pub(crate) fn random_ellipsoid(random: &mut Random, turned: bool, longest: f32) 
     Ellipsoid::new(random.point(1.0), axes, MaterialId(0))
 }
 
-/// Fans of triangles that share their edges, and spheres, over a floor among four lights.
+/// Returns fans of triangles that share their edges, and spheres, above a floor among four lights.
 pub(crate) fn random_stage(seed: u32) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = Scene::new();
@@ -109,16 +109,16 @@ pub(crate) fn random_stage(seed: u32) -> Scene {
     scene
 }
 
-/// A picture whose alpha is anything.
+/// Returns a picture with random alpha.
 pub(crate) fn random_mask(random: &mut Random, width: u32, height: u32) -> Texture {
     let pixel = |alpha: f32| [90, 160, 60, alpha as u8];
     let pixels = (0..width * height).map(|_| pixel(random.between(0.0, 256.0))).collect();
     Texture::image(width, height, pixels).unwrap()
 }
 
-/// Leaves over a floor, between two lights: squares cut out by masks of every kind, whose texture coordinates go far
-/// beyond 0 to 1. Some hang together with whole triangles, and some leaves have no texture coordinates. With spheres
-/// among them if asked for.
+/// Returns leaves above a floor, between two lights. The leaves are squares cut out by masks of every kind, whose
+/// texture coordinates go far beyond 0 to 1. Some share a mesh with whole triangles, and some have no texture
+/// coordinates. Spheres are added if asked for.
 pub(crate) fn random_foliage(seed: u32, spheres: bool) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = Scene::new();
@@ -145,7 +145,7 @@ pub(crate) fn random_foliage(seed: u32, spheres: bool) -> Scene {
         let leaf = materials[index % 5];
         let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
         let mesh = match index % 7 {
-            // A whole triangle beside one that is cut out.
+            // A whole triangle is beside one that is cut out.
             0 => mesh.materials(vec![leaf, MaterialId(0)]),
             _ => mesh.materials(vec![leaf]),
         };

@@ -1,8 +1,9 @@
-//! What tests of several samples a pixel share.
+//! Shared parts of the tests with several samples per pixel.
 
 use stereotrace::{Filter, StereoCamera, glam::Vec3};
 
-/// Of a screen whose width is a power of two, so that the finer camera's numbers are the same but for the size.
+/// Returns a camera with a screen whose width is a power of two. So the finer camera has the same numbers except for
+/// the size.
 pub(crate) fn camera(width: u32, height: u32) -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO)
         .screen_distance(5.0)
@@ -11,7 +12,7 @@ pub(crate) fn camera(width: u32, height: u32) -> StereoCamera {
         .size(width, height)
 }
 
-/// `w(x)` of a filter, and how far it reaches, as its documentation has them.
+/// Returns the weight `w(x)` of a filter, as its documentation defines it.
 pub(crate) fn weight(filter: Filter, x: f64) -> f64 {
     let x = x.abs();
     match filter {

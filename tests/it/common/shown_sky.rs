@@ -1,4 +1,4 @@
-//! Sky maps in double precision: what is seen of one, and what it sends to a surface.
+//! Sky maps in double precision: their colours by direction, and the light that they send to a surface.
 
 use stereotrace::{
     SkyMap,
@@ -9,7 +9,7 @@ use super::random::Random;
 
 const PI: f64 = std::f64::consts::PI;
 
-/// A map as it is shown, bilinear, in double precision.
+/// A map as the kernels show it: bilinear, in double precision.
 pub(crate) struct Shown {
     pub width: usize,
     pub height: usize,
@@ -21,7 +21,7 @@ impl Shown {
         SkyMap::new(self.width as u32, self.height as u32, self.pixels.clone()).unwrap()
     }
 
-    /// By place, in pixels from the left and from above.
+    /// Returns the colour at a position, in pixels from the left and from the top.
     pub(crate) fn at(&self, x: f64, y: f64) -> DVec3 {
         let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
         let (right_share, lower_share) = (x - 0.5 - left, y - 0.5 - top);
@@ -35,13 +35,14 @@ impl Shown {
         across(top).lerp(across(top + 1.0), lower_share)
     }
 
-    /// What a white surface shows: the sum over `fine` x `fine` parts of each pixel, by the direction of each.
+    /// Returns the light of a white surface: the sum over `fine` x `fine` parts of each pixel, by the direction of each
+    /// part.
     pub(crate) fn light(&self, normal: DVec3, fine: usize, is_open: impl Fn(DVec3) -> bool) -> DVec3 {
         let [columns, rows] = [self.width * fine, self.height * fine];
         let mut sum = DVec3::ZERO;
         for row in 0..rows {
             let down = (row as f64 + 0.5) / rows as f64 * PI;
-            // The band between two circles of latitude, to the last bit.
+            // The solid angle of the band between two circles of latitude is exact.
             let edges = [row as f64, row as f64 + 1.0].map(|edge| (edge / rows as f64 * PI).cos());
             let angle = (edges[0] - edges[1]) * 2.0 * PI / columns as f64;
             for column in 0..columns {
@@ -58,7 +59,7 @@ impl Shown {
     }
 }
 
-/// Noise of all brightnesses, a sun of one pixel among it.
+/// Returns noise of all brightnesses with a sun of one pixel in it.
 pub(crate) fn noisy(width: usize, height: usize) -> Shown {
     let mut random = Random(7);
     let mut pixels: Vec<Vec3> =

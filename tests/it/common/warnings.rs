@@ -1,4 +1,4 @@
-//! What the library logs of files.
+//! Collects the warnings that the library logs.
 
 use std::{
     cell::RefCell,
@@ -32,7 +32,7 @@ impl log::Log for Collector {
     fn flush(&self) {}
 }
 
-/// From now on what is logged is kept.
+/// Keeps all warnings that are logged from now on.
 pub(crate) fn collect() {
     static LOGGER: Once = Once::new();
     LOGGER.call_once(|| {
@@ -41,12 +41,12 @@ pub(crate) fn collect() {
     });
 }
 
-/// The warnings of this thread, which is a test's own.
+/// Returns the warnings of this thread, which belongs to one test.
 pub(crate) fn of_this_thread() -> Vec<String> {
     OF_THIS_THREAD.with_borrow(Vec::clone)
 }
 
-/// The warnings that name a file of this folder, from the file's name on.
+/// Returns the warnings that name a file of this folder, from the file's name on.
 pub(crate) fn of(folder: &Folder) -> Vec<String> {
     let prefix = format!("{}{}", folder.path().display(), std::path::MAIN_SEPARATOR);
     let warnings = WARNINGS.lock().unwrap();

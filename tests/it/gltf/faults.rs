@@ -1,4 +1,4 @@
-//! What is wrong with files, and what they ask too much of.
+//! Tests files with errors, and files that take too much memory or time.
 
 use serde_json::{Value, json};
 use stereotrace::{Error, Limits, Scene, SceneOptions};
@@ -9,7 +9,7 @@ use super::{
     open_with,
 };
 
-/// The reason of the error that `content` gives.
+/// Returns the reason of the error that `content` gives.
 #[track_caller]
 fn error(content: impl AsRef<[u8]>) -> String {
     match open_with(content, &SceneOptions::default()) {
@@ -90,7 +90,7 @@ fn indices_and_lengths_out_of_range_are_named_with_what_names_them() {
     says("accessors[1]: there is no bufferViews[9]; the list has length 3", |json| {
         json["accessors"][1]["bufferView"] = json!(9)
     });
-    // Of which the second byte of 1 and what follows are the numbers 0, 0, 0, 2.
+    // From the second byte of the index 1 on, the bytes are the numbers 0, 0, 0, 2.
     says("accessors[1], sparse.indices: 33554432 is out of range for 3 elements", |json| {
         json["accessors"][1]["sparse"] = json!({ "count": 1, "values": { "bufferView": 1 },
             "indices": { "bufferView": 2, "byteOffset": 5, "componentType": 5125 } });
@@ -109,7 +109,7 @@ fn nodes_in_circles_or_with_two_parents_are_refused() {
         json["nodes"] = json!([{ "children": [1, 2] }, { "children": [3] }, { "children": [3] }, { "mesh": 0 }]);
     });
     says("the scene: its child nodes[0] has another parent", |json| json["scenes"][0]["nodes"] = json!([0, 0]));
-    // A chain as deep as there are nodes is one.
+    // A chain of all nodes is valid, however deep it is.
     let mut builder = Builder::triangle(json!({}));
     for index in 0..20_000 {
         builder.push("nodes", json!({ "children": [index], "translation": [0, 0, 1] }));
@@ -226,7 +226,7 @@ fn buffers_are_what_they_say_or_named() {
         message.contains("a.bin: the file has 10060 bytes, over the limit of 5000; raise it with --max-file"),
         "{message}"
     );
-    // All buffers have one limit.
+    // All buffers share one limit.
     let mut two: Value = serde_json::from_slice(&beside).unwrap();
     let mut with_second = |uri: &str| {
         two["buffers"] = json!([{ "byteLength": 60, "uri": "a.bin" }, { "byteLength": 60, "uri": uri }]);
@@ -238,7 +238,7 @@ fn buffers_are_what_they_say_or_named() {
     let other = with_second("b.bin");
     assert!(said(&other, &limited).contains("over the limit of 4940"));
     assert!(Scene::from_gltf(folder.write("scene.gltf", &other)).is_ok());
-    // A file that several name is read once.
+    // A file that several buffers name is read once.
     assert!(Scene::from_gltf_with(folder.write("scene.gltf", with_second("./a.bin")), &limited).is_ok());
 }
 
@@ -246,7 +246,7 @@ fn buffers_are_what_they_say_or_named() {
 fn binary_files_that_are_cut_or_lie_are_refused() {
     let whole = Builder::triangle(json!({})).binary();
     assert!(open_with(&whole, &SceneOptions::default()).is_ok());
-    // A byte that is missing anywhere is an error.
+    // A file that is cut anywhere is an error.
     for length in 0..whole.len() {
         assert!(open_with(&whole[..length], &SceneOptions::default()).is_err(), "{length} of {} bytes", whole.len());
     }
@@ -275,7 +275,7 @@ fn a_line_of_broken_json_is_named() {
     }
 }
 
-/// Few bytes that ask for much.
+/// Tests small files that declare large content.
 #[test]
 fn bombs_are_refused_with_what_raises_their_limit() {
     let start = std::time::Instant::now();
@@ -283,7 +283,7 @@ fn bombs_are_refused_with_what_raises_their_limit() {
         let limits = limits.triangle_option_name("--max-triangles");
         open_with(builder.binary(), &SceneOptions::default().limits(limits)).unwrap_err().to_string()
     };
-    // A thousand instances of a thousand triangles.
+    // There are a thousand instances of a thousand triangles.
     let mut instances = Builder::new();
     let mesh = instances.mesh(&vec![[0.5; 3]; 3000], json!({}));
     for _ in 0..1000 {
@@ -294,7 +294,7 @@ fn bombs_are_refused_with_what_raises_their_limit() {
         message.contains("its scene has 1000000 triangles, over the limit of 999999; raise it with --max-triangles"),
         "{message}"
     );
-    // A mesh of a thousand primitives of the same numbers, of which each shows one triangle.
+    // A mesh has a thousand primitives with the same vertices, and each shows one triangle.
     let mut shared = Builder::new();
     let indices = shared.indices(&[0, 1, 2]);
     let mesh = shared.mesh(&vec![[0.5; 3]; 300_000], json!({ "indices": indices }));
@@ -303,7 +303,7 @@ fn bombs_are_refused_with_what_raises_their_limit() {
     shared.node(json!({ "mesh": mesh }));
     let message = said(&shared, Limits::default().triangles(1_000_000));
     assert!(message.contains("meshes[0] has 3300000 vertices, over the limit of 3000000"), "{message}");
-    // An accessor of nothing but a count.
+    // An accessor has only a count and no bytes.
     let mut sparse = Builder::triangle(json!({}));
     let position = sparse.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"].as_u64().unwrap() as usize;
     let accessor = &mut sparse.json["accessors"][position];
@@ -316,14 +316,14 @@ fn bombs_are_refused_with_what_raises_their_limit() {
         message.contains("accessors[1] has 18446744073709551615 elements, over the limit of 100663296"),
         "{message}"
     );
-    // One of less than that, but of more than there are bytes.
+    // The count is within that limit, but larger than the file's size in bytes.
     sparse.json["accessors"][position]["count"] = json!(2000);
     let message = said(&sparse, Limits::default());
     let bytes = sparse.binary().len();
     let expected =
         format!("accessors[1]: 2000 elements without a bufferView; the maximum is the files' size in bytes, {bytes}");
     assert!(message.contains(&expected), "{message}");
-    // Objects of less bytes than the limit, which become more.
+    // The objects have fewer bytes than the limit, but count as more.
     let objects = format!(r#"{{"asset":{{"version":"2.0"}},"materials":[{}{{}}]}}"#, "{},".repeat(998));
     let said_of = |bytes: u64| {
         let limits = Limits::default().json_bytes(bytes).option_names("--max-file", "");
@@ -334,7 +334,7 @@ fn bombs_are_refused_with_what_raises_their_limit() {
                     raise it with --max-file";
     assert!(message.contains(expected), "{message}");
     assert!(said_of(32_032).contains("no triangles in its scene"), "{}", said_of(32_032));
-    // Braces that become nodes of hundreds of bytes each.
+    // These braces become nodes of hundreds of bytes each.
     let braces = format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{}{{}}]}}"#, "{},".repeat(10_000));
     let limits = Limits::default().json_bytes(20_000).option_names("--max-file", "");
     let message = open_with(&braces, &SceneOptions::default().limits(limits)).unwrap_err().to_string();

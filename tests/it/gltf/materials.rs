@@ -1,4 +1,4 @@
-//! Materials by the rule of docs/FORMATS.md.
+//! Tests materials by the rules of docs/FORMATS.md.
 
 use serde_json::{Value, json};
 use stereotrace::{Finish, Material, glam::Vec3};
@@ -37,10 +37,10 @@ fn metal_and_roughness_share_the_light_out() {
     assert_near(polished.albedo, 0.96 * base);
     assert_near(polished.specular, Vec3::splat(0.04));
     assert_eq!((polished.exponent, polished.finish), (10_000.0, Finish::Mirror { fresnel: true }));
-    // The specification's own, as where nothing is said.
+    // Without any field, the specification's defaults apply.
     let plain = read(json!({}));
     assert_eq!((plain.albedo, plain.specular), (Vec3::ONE, Vec3::ZERO));
-    // All of it returns at most what came, whatever it is.
+    // A material returns at most the light that it receives, for any metal and roughness.
     for step in 0..=100 {
         let (metal, roughness) = ((step % 11) as f32 / 10.0, (step / 11) as f32 / 9.0);
         let one = read(metallic([1.0; 4], metal, roughness.min(1.0)));

@@ -1,4 +1,4 @@
-//! Primitives of all kinds.
+//! Tests primitives of all kinds.
 
 use serde_json::json;
 use stereotrace::{
@@ -11,7 +11,7 @@ use super::{assert_near, corners, gltf::Builder, open, open_with, scene};
 const HEXAGON: [[f32; 3]; 6] =
     [[2.0, 0.0, 0.0], [1.0, 2.0, 0.0], [-1.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [-1.0, -2.0, 0.0], [1.0, -2.0, 0.0]];
 
-/// The corners of triangles of the hexagon as numbers.
+/// Returns the corners of the triangles as indices of the hexagon's vertices.
 fn numbers(builder: &Builder) -> Vec<[usize; 3]> {
     let scene = scene(builder.text());
     let number = |corner: Vec3| HEXAGON.iter().position(|vertex| Vec3::from_array(*vertex) == corner).unwrap();
@@ -39,7 +39,7 @@ fn lists_strips_and_fans_are_triangles_with_indices_and_without() {
 #[test]
 fn interleaved_normalised_and_sparse_numbers_are_read() {
     let mut builder = Builder::new();
-    // Positions as 16-bit shares, colours as bytes, 12 bytes a vertex.
+    // Positions are 16-bit shares and colours are bytes, 12 bytes per vertex.
     let vertices =
         [([0i16, 0, 0], [255u8, 0, 0, 255]), ([32767, 0, -32768], [0, 51, 0, 255]), ([0, 32767, 0], [0, 0, 255, 9])];
     let bytes: Vec<u8> = vertices
@@ -65,7 +65,7 @@ fn interleaved_normalised_and_sparse_numbers_are_read() {
     builder.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
     let read = scene(builder.binary());
     assert_eq!(corners(&read), [[Vec3::ZERO, Vec3::new(1.0, 0.0, -1.0), Vec3::Y]]);
-    // Linear, as they are.
+    // Colours are linear and stay unchanged.
     assert_eq!(read.colors(), [[Vec3::X, Vec3::new(0.0, 0.2, 0.0), Vec3::Z]]);
 
     let mut builder = Builder::triangle(json!({}));
@@ -77,7 +77,7 @@ fn interleaved_normalised_and_sparse_numbers_are_read() {
         "count": 1, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": values }
     });
     assert_eq!(corners(&scene(builder.text()))[0], [Vec3::ZERO, Vec3::X, Vec3::new(5.0, 6.0, 7.0)]);
-    // Without a view the others are zeros. There may be as many as the file has bytes.
+    // Without a view the other elements are zeros. There may be as many elements as the file has bytes.
     builder.json["accessors"][position].as_object_mut().unwrap().remove("bufferView");
     let read = scene(builder.text());
     assert_eq!((corners(&read)[0], read.degenerate_count()), ([Vec3::ZERO, Vec3::ZERO, Vec3::new(5.0, 6.0, 7.0)], 1));
@@ -90,7 +90,7 @@ fn normals_are_those_of_the_file_or_made_or_flat() {
     let normals = builder.floats(&[[0.0f32, 0.0, 2.0], [0.0, 3.0, 4.0], [0.0, 0.0, 1.0]]);
     builder.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(normals);
     assert_eq!(scene(builder.text()).triangles()[0].normals, [Vec3::Z, Vec3::new(0.0, 0.6, 0.8), Vec3::Z]);
-    // A roof whose two sides share no vertex.
+    // The two sides of this roof share no vertex.
     let roof =
         [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.1], [1.0, 0.0, 0.0], [1.0, 1.0, -0.1], [0.0, 1.0, 0.1]];
     let mut builder = Builder::new();
@@ -115,13 +115,13 @@ fn several_primitives_are_one_object_with_the_nodes_name_or_the_meshs() {
         scene.triangles().iter().map(|one| scene.materials()[one.material.0 as usize].name.as_str()).collect();
     assert_eq!(names, ["red", "blue", "blue", "red", "blue", "blue"]);
     assert_eq!((scene.object_count(), scene.object_name(0), scene.object_name(1)), (2, "flag", "second flag"));
-    // v points down in the file; primitives without coordinates have zeros.
+    // v points down in the file. Primitives without coordinates have zeros.
     assert_eq!(scene.uv()[0], [Vec2::ZERO, Vec2::X, Vec2::Y]);
     assert_eq!(scene.uv()[1], [Vec2::ZERO; 3]);
     assert_near(scene.materials()[1].albedo, Vec3::X);
 }
 
-/// It may be a million bytes long, and the nodes thousands.
+/// A name may be a million bytes long, and there may be thousands of nodes.
 #[test]
 fn nodes_without_names_share_that_of_their_mesh_or_camera() {
     let mut builder = Builder::triangle(json!({}));

@@ -1,4 +1,5 @@
-//! glTF files: what `SceneFile::open` and `Scene::from_gltf` make of them, and what they say where they can't.
+//! Tests glTF files: the results of `SceneFile::open` and `Scene::from_gltf`, and the messages about unsupported or
+//! invalid content.
 use crate::common;
 mod faults;
 use crate::common::gltf;
@@ -30,7 +31,7 @@ fn corners(scene: &Scene) -> Vec<[Vec3; 3]> {
     scene.triangles().iter().map(|triangle| triangle.corners).collect()
 }
 
-/// The material of the first triangle.
+/// Returns the material of the first triangle.
 fn material(scene: &Scene) -> &Material {
     &scene.materials()[scene.triangles()[0].material.0 as usize]
 }

@@ -1,4 +1,4 @@
-//! Where things stand: nodes, cameras and lights, against glam in double precision.
+//! Tests the positions of nodes, cameras and lights against glam in double precision.
 
 use serde_json::{Value, json};
 use stereotrace::{
@@ -14,13 +14,13 @@ use super::{
     open, scene,
 };
 
-/// A random transform as a node and as a matrix. The file's f32 are taken as they are.
+/// Returns a random transform as a node and as a matrix. The matrix is made from the file's f32 values.
 fn random_node(random: &mut Random) -> (Value, DMat4) {
     let mut three = |half: f32| [(); 3].map(|()| random.between(-half, half));
     let (translation, scale, angles) = (three(5.0), three(2.0), three(3.0));
     let [x, y, z] = angles.map(f64::from);
     let rotation = DQuat::from_euler(EulerRot::XYZ, x, y, z).as_quat();
-    // Not of unit length, as some programs write it.
+    // The quaternion is not of unit length, as some programs write it.
     let rotation = rotation.to_array().map(|value| value * 1.001);
     let unit = DQuat::from_array(rotation.map(f64::from)).normalize();
     let [scale_f64, translation_f64] = [scale, translation].map(|vector| Vec3::from_array(vector).as_dvec3());
@@ -60,7 +60,7 @@ fn chains_of_nodes_place_meshes_as_double_precision_does() {
         }
         let upright = |normal: DVec3| matrix.inverse().transpose().transform_vector3(normal).normalize().as_vec3();
         assert_near(scene.triangles()[0].normals[2], upright(DVec3::new(0.6, 0.0, 0.8)));
-        // The outside, from where corners run counterclockwise, stays it.
+        // The outer side, from which corners run counterclockwise, stays the outer side.
         let [a, b, c] = corners(&scene)[0];
         assert!((b - a).cross(c - a).dot(upright(DVec3::Z)) > 0.0);
     }
@@ -83,7 +83,7 @@ fn the_default_scene_the_first_one_or_all_nodes_are_shown() {
     assert_eq!(heights(&builder), [0.0, 3.0]);
 }
 
-/// Exporters give cameras that look down an up of their own, by which an orbit would lean.
+/// Exporters give cameras that look down their own up direction. Orbits around that direction would not stay level.
 #[test]
 fn cameras_that_stand_level_orbit_level_and_rolled_ones_stay_rolled() {
     for (roll, is_level) in [(0.0, true), (0.1, false), (3.1, false)] {
@@ -100,7 +100,7 @@ fn cameras_that_stand_level_orbit_level_and_rolled_ones_stay_rolled() {
     }
 }
 
-/// A camera turned and moved, with the parameters of OpenGL.
+/// Tests a rotated and moved camera, with the parameters of OpenGL.
 #[test]
 fn cameras_see_points_where_the_specifications_matrix_does() {
     let mut random = Random(3);
@@ -112,7 +112,7 @@ fn cameras_see_points_where_the_specifications_matrix_does() {
         let perspective = json!({ "yfov": yfov, "aspectRatio": aspect, "znear": 0.1, "zfar": 50 });
         let camera = json!({ "type": "perspective", "perspective": perspective });
         let camera = builder.push("cameras", camera);
-        // A scale does nothing to a camera.
+        // A scale does not change a camera.
         builder.node(json!({ "camera": camera, "name": format!("view \
             {index}"), "translation": [x, y, z], "rotation": rotation.to_array(), "scale": [2, 2, 2] }));
         let file = open(builder.text());
@@ -125,7 +125,7 @@ fn cameras_see_points_where_the_specifications_matrix_does() {
         let view =
             DMat4::from_rotation_translation(rotation.as_dquat().normalize(), DVec3::new(x.into(), y.into(), z.into()))
                 .inverse();
-        // The specification's matrix, whose third row is for depth buffers.
+        // This is the specification's matrix. Its third row is for depth buffers.
         let across = 1.0 / (0.5 * f64::from(yfov)).tan();
         let projection = DMat4::from_cols_array_2d(&[
             [across * height / width, 0.0, 0.0, 0.0],
@@ -145,7 +145,7 @@ fn cameras_see_points_where_the_specifications_matrix_does() {
                 assert!((found - expected).abs() < 1e-3 + 1e-5 * expected.abs(), "{found} {expected}");
             }
         }
-        // The middle of the scene has no parallax where it is far enough off.
+        // The middle of the scene has no parallax if it is far enough away.
         let depth = pose.project(Vec3::new(0.5, 0.5, 0.0), 0.0)[2];
         let least = 0.25 * 2f32.sqrt();
         assert!((pose.screen_distance - depth.max(least)).abs() < 1e-4, "{} {depth}", pose.screen_distance);
@@ -159,7 +159,7 @@ fn lit(lights: Value) -> Builder {
     builder.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": lights } });
     builder.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     for index in 0..count {
-        // Its +z leads along the world's +x.
+        // The node's +z is the world's +x.
         builder.node(json!({ "rotation": [0, 0.5f32.sqrt(), 0, 0.5f32.sqrt()], "translation": [0.5, 0.5, 2.0],
             "extensions": { "KHR_lights_punctual": { "light": index } } }));
     }
@@ -182,7 +182,7 @@ fn lights_give_what_they_give_at_the_middle_of_the_scene() {
     assert_eq!(sun.shape, LightShape::Directional { radius: 0.0 });
     assert_near(sun.position.as_vec3(), Vec3::X);
     assert_near(sun.intensity, Vec3::new(0.5, 0.25, 0.0));
-    // Two units off: a quarter.
+    // At a distance of two units, the intensity is a quarter.
     assert_eq!((lamp.shape, lamp.position), (LightShape::Point, DVec3::new(0.5, 0.5, 2.0)));
     assert_near(lamp.intensity, Vec3::splat(0.25));
     assert_near(dim.intensity, Vec3::new(0.0, 0.05, 0.1) / pi);
@@ -209,7 +209,7 @@ fn lights_are_scaled_down_together_and_what_they_can_not_is_named_once() {
     assert_eq!(warnings[1], left_out);
 }
 
-/// Of a chain of nodes in UTM coordinates, whose sum f32 rounds to a quarter of a unit.
+/// Tests a chain of nodes in UTM coordinates, whose sum f32 rounds to a quarter of a unit.
 #[test]
 fn nodes_far_from_the_origin_keep_their_places_and_what_stands_there() {
     let mut builder = Builder::triangle(json!({}));

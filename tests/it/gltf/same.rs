@@ -1,4 +1,4 @@
-//! The same mesh out of all formats is the same picture, byte for byte.
+//! Tests that a mesh gives the same picture from all formats, byte for byte.
 
 use std::fmt::Write;
 
@@ -69,7 +69,7 @@ fn obj_ply_and_gltf_of_one_mesh_are_one_picture() {
     for file in &files {
         let mut scene = SceneFile::open(file, &SceneOptions::default()).unwrap().scene;
         if file.extension().is_some_and(|ending| ending == "ply") {
-            // PLY has no materials: the mesh's own grey becomes the others' red.
+            // PLY has no materials, so the mesh's default grey is replaced by the red of the other files.
             scene = painted(&scene);
         }
         scene.place_lights(2, &camera).unwrap();
@@ -85,7 +85,7 @@ fn obj_ply_and_gltf_of_one_mesh_are_one_picture() {
     assert!(colors.len() > 100, "a picture of {} colours says nothing", colors.len());
 }
 
-/// The scene with one material more, which all triangles have.
+/// Returns the scene with one more material, which all triangles have.
 fn painted(scene: &Scene) -> Scene {
     let mut painted = Scene::new();
     let red = painted.add_material(stereotrace::Material::new(Vec3::new(0.8, 0.2, 0.1)));
@@ -99,7 +99,7 @@ fn painted(scene: &Scene) -> Scene {
     painted
 }
 
-/// An OBJ's texture coordinates and a glTF's are upside down to each other.
+/// OBJ and glTF have opposite directions of the vertical texture coordinate.
 #[cfg(feature = "textures")]
 #[test]
 fn a_picture_lies_the_same_way_in_both_formats() {

@@ -1,4 +1,4 @@
-//! What the corners of triangles have: texture coordinates, colours, and normals where the file has none.
+//! Tests the attributes of triangle corners: texture coordinates, colours, and normals if the file has none.
 
 use stereotrace::{
     Error, Scene, SceneOptions,
@@ -7,7 +7,7 @@ use stereotrace::{
 
 use super::{ARC, Folder, SIX, corners};
 
-/// The texture coordinates that [`ARC`]'s vertices get here.
+/// Returns the texture coordinates that [`ARC`]'s vertices get here.
 fn of_corner(corner: u32) -> Vec2 {
     Vec2::new(0.5 * corner as f32, -(corner as f32))
 }
@@ -34,7 +34,7 @@ fn texture_coordinates_stay_with_their_corners_however_faces_are_split() {
     assert_eq!(scene.primitive_count(), 7);
     assert_uv_follow_corners(&scene);
     assert_eq!(scene.triangles()[2].normals, [Vec3::Z; 3]);
-    // A concave one, which is cut into ears: its third corner is seen by the first alone.
+    // This concave face is cut into ears, since its third corner is visible from the first corner alone.
     let scene =
         folder.scene(format!("v 1 0 0\nv 2 9 0\nv 3 3 0\nv 4 9 0\nv 5 0 0\nv 6 -9 0\n{uv}f 1/1 2/2 3/3 4/4 5/5 6/6\n"));
     assert_eq!(scene.primitive_count(), 4);
@@ -58,7 +58,7 @@ fn a_face_without_texture_coordinates_has_zeros_and_takes_none_from_others() {
     let of = |first: u32| [first, first + 1, first + 2].map(of_corner);
     let none = [Vec2::ZERO; 3];
     assert_eq!(scene.uv(), [none, of(1), none, of(2), none]);
-    // Where no face has any, a scene has no list.
+    // If no face has texture coordinates, the scene has no list.
     assert!(folder.scene(format!("{ARC}{uv}f 1/1 2 3\nf 1 2 3\n")).uv().is_empty());
 }
 
@@ -80,7 +80,7 @@ fn colours_of_vertices_are_srgb_and_clamped_with_one_warning() {
 fn vertices_without_a_colour_beside_others_are_white() {
     let folder = Folder::new("some_colours");
     let [red, plain] = [" 1 0 0", ""];
-    // Each vertex with a colour or without, and one that no face has, which would shift the others'.
+    // Each vertex has a colour or none. One vertex is in no face, and would shift the others' colours.
     for last in [red, plain] {
         for of_colors in 0..8 {
             let of = |vertex: usize| if of_colors >> vertex & 1 == 1 { red } else { plain };
@@ -110,7 +110,7 @@ fn smooth(scene: &Scene) -> Vec<bool> {
     scene.triangles().iter().map(|triangle| triangle.is_smooth()).collect()
 }
 
-/// Four strips side by side, each 10 degrees steeper than the one before, every one with vertices of its own.
+/// Returns four strips side by side, each 10 degrees steeper than the one before, with separate vertices.
 fn gutter() -> String {
     let mut text = String::new();
     let (mut x, mut y) = (0.0f32, 0.0f32);
@@ -132,7 +132,7 @@ fn normals_are_made_below_the_crease_angle_and_only_where_they_are_asked_for() {
     assert!(!smoothed(&folder, 9.9, &text).has_normals());
     let scene = smoothed(&folder, 10.1, &text);
     assert_eq!(smooth(&scene), [true; 8]);
-    // At the seam of the first two strips halfway between their normals, seen from both.
+    // The normal at the seam of the first two strips is halfway between their normals, on both sides.
     let expected = Vec3::new(-5f32.to_radians().sin(), 5f32.to_radians().cos(), 0.0);
     let mut seen = 0;
     for triangle in scene.triangles() {
@@ -144,7 +144,8 @@ fn normals_are_made_below_the_crease_angle_and_only_where_they_are_asked_for() {
         }
     }
     assert_eq!(seen, 6);
-    // What has normals keeps them, faces of the same object without too; another object gets its own.
+    // Faces with normals keep them, and so do faces without normals in the same object. Another object gets smooth
+    // normals.
     let mixed =
         format!("{}vn 0 1 0\no a\nf 4//1 3//1 2//1 1//1\nf 8 7 6 5\no b\nf 12 11 10 9\nf 16 15 14 13\n", gutter());
     let scene = smoothed(&folder, 30.0, &mixed);

@@ -1,4 +1,4 @@
-//! What becomes of faces: triangles, normals and objects, whatever the layout of the file.
+//! Tests how faces become triangles, normals and objects, for any layout of the file.
 
 use stereotrace::{Scene, glam::Vec3};
 
@@ -62,7 +62,8 @@ fn faces_without_normals_are_flat_and_take_none_from_others() {
     let folder = Folder::new("some_normals");
     let flat = folder.scene(format!("{SIX}vn 0 0 1\nf 1 2 3\n"));
     assert!(!flat.has_normals());
-    // In order: none, all, one corner of a quad without, all, zero, all of another material.
+    // The faces have, in order: no normals, all, all but one corner of a quad, all, a zero normal, all with another
+    // material.
     let scene = folder.scene(format!(
         "{ARC}vt 1 1\nvn 0 0 1\nvn 0 1 0\nvn 0 0 0\no one\nf 1 2 3\nf 2//1 3//2 4//1\nf 1//1 2//2 3 4//1\nf 4//2 5//2 \
         6//1\n\

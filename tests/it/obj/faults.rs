@@ -1,4 +1,4 @@
-//! Files that can't be read: the error names the line.
+//! Tests files that can't be read: the error names the line.
 
 use std::path::Path;
 
@@ -35,7 +35,7 @@ fn numbers_that_are_none_are_errors_on_their_line() {
         ("vn 0 inf 0 x", "normal: inf is not a finite number"),
     ];
     for (line, expected) in cases {
-        // Used by a face whichever it is, and behind a folded line, which counts as two.
+        // A face uses each of these lines, and a folded line before it counts as two.
         let face = match line.split(' ').next() {
             Some("vn") => "f 1//-1 2//-1 3//-1",
             Some("vt") => "f 1/-1 2/-1 3/-1",
@@ -57,7 +57,7 @@ fn indices_out_of_range_are_errors_on_their_line() {
         ("f 1 2 -9223372036854775808", "is out of range"),
         ("f 1 2 9223372036854775808", "is not a whole number"),
         ("f 1//1 2//1 3//2", "face corner '3//2': normal index 2 is out of range: there is 1 before this line"),
-        // Offsets that would wrap to small ones if they were multiplied by three unchecked.
+        // These offsets would wrap to small ones if they were multiplied by three unchecked.
         ("f 1//1 2//1 3//-2", "normal index -2 is out of range"),
         ("f 1//1 2//1 3//-5", "normal index -5 is out of range"),
         ("f 1//1 2//1 3//6148914691236517207", "is out of range"),
@@ -154,7 +154,7 @@ fn a_missing_file_is_an_error_with_its_path() {
     assert!(matches!(error, Error::Io { .. }) && error.to_string().contains("scene.obj"), "{error}");
 }
 
-/// Bytes of a valid file are replaced, doubled and cut at random: any result will do, a panic will not.
+/// Bytes of a valid file are replaced, doubled and cut at random. Any result is fine, but no panic.
 #[test]
 fn no_damaged_file_panics() {
     let folder = Folder::new("damaged");
@@ -215,6 +215,6 @@ fn objects_200_000_of_them_take_no_square_of_time() {
     let started = std::time::Instant::now();
     let scene = folder.scene(format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n{objects}"));
     assert_eq!((scene.object_count(), scene.object_name(199_999)), (200_000, "199999"));
-    // It takes half a second, and took a minute when each object looked at all before it.
+    // This takes half a second. It took a minute when each object was compared with all before it.
     assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
 }

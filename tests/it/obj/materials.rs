@@ -1,4 +1,4 @@
-//! What becomes of MTL files: colours, missing and odd names.
+//! Tests the materials of MTL files: colours, and missing and odd names.
 
 use stereotrace::{MaterialId, glam::Vec3};
 

@@ -1,4 +1,5 @@
-//! Odd OBJ and MTL files: what `Scene::from_obj` makes of them, and what it says where it can't.
+//! Tests odd OBJ and MTL files: the results of `Scene::from_obj`, and its messages about unsupported or invalid
+//! content.
 use crate::common;
 mod corners;
 mod faces;
@@ -16,7 +17,7 @@ use std::path::PathBuf;
 
 use stereotrace::{Error, Material, MaterialId, Scene, SceneOptions};
 
-/// A folder of one test, whose OBJ files are read.
+/// A folder of one test, for its OBJ files.
 pub(crate) struct Folder(common::folder::Folder);
 
 impl Folder {
@@ -48,7 +49,7 @@ impl Folder {
         self.read(content).unwrap()
     }
 
-    /// The line and the reason of the error that `content` gives.
+    /// Returns the line and the reason of the error that `content` gives.
     pub(crate) fn error(&self, content: impl AsRef<[u8]>) -> (Option<usize>, String) {
         match self.read(content) {
             Err(Error::Parse { path, line, reason, .. }) => {
@@ -65,19 +66,19 @@ impl Folder {
         assert!(found == Some(line) && reason.contains(expected), "line {found:?} and not {line}: {reason}");
     }
 
-    /// The warnings that name a file of this folder, from the file's name on.
+    /// Returns the warnings that name a file of this folder, from the file's name on.
     pub(crate) fn warnings(&self) -> Vec<String> {
         common::warnings::of(&self.0)
     }
 }
 
-/// Six vertices at x = 1 to 6, so that a corner's x tells which vertex it is.
+/// Six vertices at x = 1 to 6, so that a corner's x shows which vertex it is.
 pub(crate) const SIX: &str = "v 1 0 0\nv 2 1 0\nv 3 0 1\nv 4 2 0\nv 5 0 2\nv 6 3 1\n";
 
 /// Six vertices at the same x that make convex polygons in the plane.
 pub(crate) const ARC: &str = "v 1 1 0\nv 2 4 0\nv 3 9 0\nv 4 16 0\nv 5 25 0\nv 6 36 0\n";
 
-/// The corners of each triangle as numbers of vertices of [`SIX`] or [`ARC`].
+/// Returns the corners of each triangle as numbers of vertices of [`SIX`] or [`ARC`].
 pub(crate) fn corners(scene: &Scene) -> Vec<[u32; 3]> {
     scene.triangles().iter().map(|triangle| triangle.corners.map(|corner| corner.x as u32)).collect()
 }
@@ -91,7 +92,7 @@ pub(crate) fn material<'a>(scene: &'a Scene, name: &str) -> &'a Material {
     scene.materials().iter().find(|material| material.name == name).unwrap()
 }
 
-/// Name and first primitive of each object.
+/// Returns the name and first primitive of each object.
 pub(crate) fn objects(scene: &Scene) -> Vec<(&str, u32)> {
     let first = |object| (0..scene.primitive_count() as u32).find(|&id| scene.object_of(id) == object).unwrap();
     (0..scene.object_count() as u32).map(|object| (scene.object_name(object), first(object))).collect()

@@ -1,4 +1,4 @@
-//! Files that an OBJ or MTL names outside the scene's folder, and absolute paths of other machines.
+//! Tests files that an OBJ or MTL names outside the scene's folder, and absolute paths of other machines.
 
 use std::{fs, path::Path};
 
@@ -15,7 +15,7 @@ fn picture(path: &Path) {
     RgbImage::from_pixel(1, 1, Rgb([9, 9, 9])).save_with_format(path, image::ImageFormat::Png).unwrap();
 }
 
-/// A folder with a scene in `in/` and a picture and an MTL beside that.
+/// Makes a folder with a scene in `in/`, and a picture and an MTL beside `in/`.
 fn outside(name: &str) -> common::folder::Folder {
     common::warnings::collect();
     let folder = common::folder::Folder::new(name);
@@ -62,7 +62,7 @@ fn textures_outside_the_scenes_folder_are_refused_unless_the_option_allows_them(
         let named = SceneOptions::default().outside_option_name("--outside-files allow");
         let message = Scene::from_obj_with(&scene, &named).unwrap_err().to_string();
         assert!(message.ends_with("to read it, use --outside-files allow"), "{message}");
-        // As others that can't be read, where that is no error.
+        // Like other unreadable textures, they give a warning if that option is set.
         let warn = SceneOptions::default().missing_textures(MissingTextures::Warn);
         assert_eq!(Scene::from_obj_with(&scene, &warn).unwrap().textures().len(), 0);
         let warned = common::warnings::of(&folder);
@@ -106,7 +106,7 @@ fn absolute_paths_of_other_machines_fall_back_to_the_files_name_and_this_is_said
     assert_eq!(warned.len(), 1, "{warned:?}");
     let expected = "it names 'C:\\models\\my house\\m.mtl', a path of another machine; ";
     assert!(warned[0].contains(expected) && warned[0].contains("m.mtl is read"), "{warned:?}");
-    // One that is there but outside gives way to one beside the scene, too.
+    // A file at the absolute path but outside the folder is also replaced by a file beside the scene.
     picture(&folder.file("own.png"));
     let absolute = folder.file("own.png").display().to_string();
     assert_eq!(read(&absolute, "\\\\server\\share\\own.png").unwrap().textures().len(), 1);
@@ -115,7 +115,7 @@ fn absolute_paths_of_other_machines_fall_back_to_the_files_name_and_this_is_said
     assert!(message.contains("map_Kd 'lost\\own.png' of material 'b': "), "{message}");
     let message = read("C:\\textures\\lost.png", "own.png").unwrap_err().to_string();
     assert!(message.contains("map_Kd 'C:\\textures\\lost.png' of material 'a': "), "{message}");
-    // From an MTL in a folder of its own: beside this one first, else beside the scene.
+    // For an MTL in another folder, a file beside the MTL comes before a file beside the scene.
     folder.write("in/scene.obj", triangle("sub/m.mtl"));
     for name in ["near.png", "own.png"] {
         folder.write("in/sub/m.mtl", format!("newmtl a\nmap_Kd E:\\{name}\n"));
@@ -133,7 +133,7 @@ fn links_count_by_where_they_lead() {
         folder.write("in/sub/m.mtl", format!("newmtl a\nmap_Kd {name}\n"));
         Scene::from_obj(folder.file("in/scene.obj")).map(|scene| scene.textures().len())
     };
-    // A file and a folder that lead out, and one that leads back in.
+    // A file and a folder lead out of the scene's folder, and one file leads back into it.
     symlink(folder.file("out.png"), folder.file("in/sub/out.png")).unwrap();
     symlink("../..", folder.file("in/sub/up")).unwrap();
     symlink("../own.png", folder.file("in/sub/own.png")).unwrap();
@@ -143,14 +143,14 @@ fn links_count_by_where_they_lead() {
     }
     assert_eq!(linked("own.png").unwrap(), 1);
     assert_eq!(linked("up/in/own.png").unwrap(), 1);
-    // What stands behind a folder that is a link itself is inside, by either name of the folder.
+    // Files behind a linked folder are inside, by either name of the folder.
     symlink("in", folder.file("way")).unwrap();
     let real = folder.file("in/own.png").canonicalize().unwrap().display().to_string();
     for name in ["../own.png", "../../way/own.png", "../../in/own.png", &real] {
         folder.write("in/sub/m.mtl", format!("newmtl a\nmap_Kd {name}\n"));
         assert_eq!(Scene::from_obj(folder.file("way/scene.obj")).unwrap().textures().len(), 1, "{name}");
     }
-    // A scene file that is a link: its folder is the link's.
+    // If the scene file is a link, its folder is the folder of the link.
     fs::create_dir(folder.file("other")).unwrap();
     symlink("../in/scene.obj", folder.file("other/scene.obj")).unwrap();
     let scene = Scene::from_obj(folder.file("other/scene.obj")).unwrap();

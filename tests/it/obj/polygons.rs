@@ -1,4 +1,4 @@
-//! Faces of more than three corners: which triangles they become.
+//! Tests into which triangles faces of more than three corners are split.
 
 use std::{
     collections::HashMap,
@@ -13,7 +13,7 @@ use stereotrace::{
 
 use super::{Folder, common::random::Random};
 
-/// A face of 100,000 corners may take so long. Measured: 2 s at most, beside three other tests on two cores.
+/// Maximum time for a face of 100,000 corners. Measured: 2 s at most, beside three other tests on two cores.
 const LONG: Duration = Duration::from_secs(20);
 
 /// The corners of a polygon in the plane.
@@ -28,7 +28,7 @@ fn around(count: u32, mut radius: impl FnMut(u32) -> f64) -> Outline {
     (0..count).map(corner).collect()
 }
 
-/// Teeth side by side on a beam.
+/// Returns the outline of teeth side by side on a beam.
 fn comb(teeth: u32) -> Outline {
     let mut outline = vec![[0.0, -1.0]];
     outline.push([f64::from(teeth), -1.0]);
@@ -38,7 +38,7 @@ fn comb(teeth: u32) -> Outline {
     outline
 }
 
-/// A band that is wound up.
+/// Returns the outline of a rolled-up band.
 fn spiral(corners: u32) -> Outline {
     let side = |offset: f64| {
         move |index: u32| {
@@ -49,7 +49,7 @@ fn spiral(corners: u32) -> Outline {
     (0..corners / 2).map(side(0.3)).chain((0..corners / 2).rev().map(side(0.0))).collect()
 }
 
-/// A square with a round bite out of one side.
+/// Returns the outline of a square with a round bite out of one side.
 fn bite(corners: u32) -> Outline {
     let arc = (0..corners - 4).map(|index| {
         let (sin, cos) = (0.5 * TAU * f64::from(index) / f64::from(corners - 5)).sin_cos();
@@ -59,7 +59,7 @@ fn bite(corners: u32) -> Outline {
     square.into_iter().chain(arc.rev()).collect()
 }
 
-/// A square with a hole, the outline going to the hole and back along one edge.
+/// Returns a square with a hole, whose outline goes to the hole and back along one edge.
 fn keyhole() -> Outline {
     let outside = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0]];
     let hole = [[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]];
@@ -85,7 +85,7 @@ fn concave() -> Vec<(&'static str, Outline)> {
     ]
 }
 
-/// An OBJ file of a face for each outline, laid into a plane.
+/// Returns an OBJ file with a face for each outline, in a plane.
 fn file(outlines: &[Outline], turn: Quat) -> String {
     let mut text = String::new();
     for outline in outlines {
@@ -100,7 +100,7 @@ fn file(outlines: &[Outline], turn: Quat) -> String {
     text
 }
 
-/// How often triangles cover a point, which must lie on no edge.
+/// Returns how many triangles cover a point, which must not lie on an edge.
 fn covered(triangles: &[[DVec2; 3]], point: DVec2) -> usize {
     let inside = |&[a, b, c]: &[DVec2; 3]| {
         let left = [[a, b], [b, c], [c, a]].map(|[from, to]| (to - from).perp_dot(point - from) > 0.0);
@@ -109,7 +109,7 @@ fn covered(triangles: &[[DVec2; 3]], point: DVec2) -> usize {
     triangles.iter().filter(|triangle| inside(triangle)).count()
 }
 
-/// By the number of edges that a ray to the right crosses.
+/// Returns whether a point is inside an outline, by the number of edges that a ray to the right crosses.
 fn is_inside(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     let crosses = |(&[ax, ay], &[bx, by]): (&[f64; 2], &[f64; 2])| {
         (ay > y) != (by > y) && ax + (y - ay) / (by - ay) * (bx - ax) > x
@@ -117,7 +117,8 @@ fn is_inside(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     outline.iter().zip(outline.iter().cycle().skip(1)).filter(|&edge| crosses(edge)).count() % 2 == 1
 }
 
-/// Where triangles cover an outline's inside not exactly once, or its outside: of so many random points, how many.
+/// Returns how many of `points` random points are covered wrongly: not exactly once inside the outline, or at all
+/// outside.
 fn wrong(scene: &Scene, outline: &[[f64; 2]], turn: Quat, points: u32) -> u32 {
     let place = |[x, y]: [f64; 2]| (turn * Vec3::new(x as f32, y as f32, 0.5)).to_array().map(f32::to_bits);
     let in_plane: HashMap<_, _> = outline.iter().map(|&corner| (place(corner), DVec2::from(corner))).collect();
@@ -155,7 +156,7 @@ fn concave_faces_cover_their_inside_once_from_whatever_corner_they_begin() {
     assert_eq!(fanned, None);
 }
 
-/// The fan of a face that has the scene for itself.
+/// Returns whether the scene's only face was split into a fan.
 fn is_fanned(scene: &Scene, outline: &[[f64; 2]], turn: Quat) -> bool {
     let corners: Vec<_> = outline.iter().map(|&[x, y]| turn * Vec3::new(x as f32, y as f32, 0.5)).collect();
     let fan = corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]);
@@ -168,7 +169,8 @@ fn faces_that_their_first_corner_sees_whole_are_fanned_as_ever() {
     let mut random = Random::new(4);
     let dart = vec![[1.0, 1.0], [0.0, 4.0], [0.0, 0.0], [4.0, 0.0]];
     let on_sides = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0]].to_vec();
-    // Beside a line between others by what a file rounds away; the first corner again at the end; no area at all.
+    // These outlines have a corner beside a line by a rounding error of the file, the first corner again at the end, or
+    // no area.
     let rounded = [[0.0, 0.0], [1.0, 2e-6], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].to_vec();
     let again = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [0.0, 0.0]].to_vec();
     let line = [[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [3.0, 0.0], [0.5, 0.0]].to_vec();
@@ -202,7 +204,7 @@ fn faces_that_cross_themselves_or_are_not_flat_are_fanned_and_counted_once_with_
         let expected = format!("{text}: 1 on line {}", outline.len() + 1);
         assert_eq!(folder.warnings().last(), Some(&expected));
     }
-    // A square folded along its diagonal by a right angle, and a little.
+    // The squares are folded along their diagonal, one by a right angle and one a little.
     let square = |height: f64| format!("v 0 0 0\nv 1 0 {height}\nv 1 1 0\nv 0 1 {height}\n");
     let before = folder.warnings().len();
     let scene = folder.scene(format!("{0}{1}f 5 6 7 8\nf 1 2 3 4\nf 1 2 3\nf 4 3 2 1\n", square(0.7), square(0.1)));

@@ -1,4 +1,4 @@
-//! What materials take from an MTL beside their diffuse colour.
+//! Tests the fields of MTL materials other than the diffuse colour.
 
 use stereotrace::{Finish, Material, Scene, blocking::Wait, glam::Vec3};
 
@@ -41,7 +41,7 @@ fn illumination_models_say_what_a_surface_does() {
         ("illum 7\nNi 1.33", glass(1.33, 1.0, true), highlight),
         ("illum 9\nTf 0.5", glass(1.5, 0.5, false), highlight),
         ("illum 7\nd 0.25\nTf 0.5", glass(1.5, 0.375, true), highlight),
-        // Maya gives model 4 to all.
+        // Maya writes model 4 for all materials.
         ("illum 4\nTf 1 1 1\nNi 1", Finish::Matte, highlight),
         ("illum 4\nd 0.5", glass(1.5, 0.5, false), highlight),
         ("illum 4\nTf 0.75", glass(1.5, 0.75, false), highlight),
@@ -49,7 +49,7 @@ fn illumination_models_say_what_a_surface_does() {
         ("illum 10", Finish::Matte, highlight),
     ];
     let text = |(index, (lines, ..)): (usize, &(&str, Finish, Vec3))| {
-        // With no diffuse part beside transmission, none adds more light than it gets.
+        // Without a diffuse part beside transmission, no material returns more light than it receives.
         let diffuse = if lines.contains("illum 4\nTf 1") || lines.contains("illum 4\nd") { 0.25 } else { 0.01 };
         let diffuse = if lines.contains("illum 6") || lines.contains("illum 7\nNi") { 0.0 } else { diffuse };
         format!("newmtl m{index}\nKd {diffuse} 0 0\nKs 0.5 0.5 0.5\n{lines}\n")
@@ -60,7 +60,7 @@ fn illumination_models_say_what_a_surface_does() {
         assert_eq!((found.finish, found.specular), (finish, specular), "{lines}");
         assert!(found.opacity == 1.0, "{lines}");
     }
-    // What every file gives is what a renderer takes.
+    // A renderer must accept the materials of every file.
     common::renderer().upload(&scene).wait().unwrap();
 }
 
@@ -131,7 +131,8 @@ fn values_out_of_range_are_brought_into_it_with_one_warning_a_file() {
     assert_eq!((bright.exponent, bright.opacity), (10_000.0, 1.0));
     let transmission = Vec3::new(1.0, 1.0, 0.0);
     assert_eq!(material(&scene, "glass").finish, Finish::Glass { index: 0.1, transmission, fresnel: true });
-    // What reflects more than it gets is made darker as a whole; highlights are no reflections.
+    // Materials that would reflect more than they receive are darkened as a whole. Highlights don't count as
+    // reflections.
     let mirror = material(&scene, "mirror");
     assert_eq!(mirror.albedo, Vec3::new(0.5, 0.25, 0.0) / 1.5);
     assert_eq!(mirror.specular, Vec3::new(1.0, 0.75, 0.0) / 1.5);

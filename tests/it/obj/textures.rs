@@ -1,4 +1,4 @@
-//! Textures that an MTL names: which files are read, and what is said of those that can't be.
+//! Tests textures that an MTL names: which files are read, and the messages about unreadable ones.
 
 use std::io::Write;
 
@@ -10,7 +10,7 @@ use stereotrace::{
 
 use super::{Folder, SIX, material};
 
-/// A triangle of each material, with texture coordinates (1, 2).
+/// Returns an OBJ with a triangle of each material, with texture coordinates (1, 2).
 fn obj(materials: &[&str]) -> String {
     let faces: String = materials.iter().map(|name| format!("usemtl {name}\nf 1/1 2/1 3/1\n")).collect();
     format!("mtllib sub/m.mtl\n{SIX}vt 1 2\n{faces}")
@@ -48,7 +48,8 @@ fn a_file_of_several_materials_and_spellings_is_one_texture() {
     assert_eq!(ids, [0, 0, 0, 1, 0]);
     assert_eq!(scene.textures().len(), 2);
     assert_eq!(pixels(&scene.textures()[0]), [[255, 0, 0, 255]; 2]);
-    // Multiplied by what is given, by white where nothing is, and by white where it could not be seen.
+    // The texture is multiplied by the given colour. Without a colour, or with one that would hide the texture, white
+    // is used.
     let albedos = ["a", "b", "e"].map(|name| material(&scene, name).albedo);
     assert_eq!(albedos, [Vec3::splat(0.5), Vec3::ONE, Vec3::ONE]);
     let black = "sub/m.mtl:10: material 'e' has a texture and a black Kd; white is used instead";
@@ -78,7 +79,7 @@ fn options_before_the_name_are_taken_or_skipped() {
         assert_eq!(scene.textures()[0].wrap, wrap, "{words}");
         assert_eq!(scene.uv(), [[Vec2::from(uv); 3]], "{words}");
     }
-    // Of one file clamped and repeated, two textures share the pixels.
+    // The clamped and the repeated texture of one file share the pixels.
     folder.write("sub/m.mtl", "newmtl a\nmap_Kd a b.png\nnewmtl b\nmap_Kd -clamp on a b.png\n");
     let scene = folder.scene(obj(&["a", "b"]));
     let [first, second] = scene.textures() else { panic!("{:?}", scene.textures()) };
@@ -92,7 +93,7 @@ fn options_before_the_name_are_taken_or_skipped() {
     );
 }
 
-/// The header of a PNG of 100,000 pixels a side.
+/// Returns the header of a PNG with a side of 100,000 pixels.
 fn huge() -> Vec<u8> {
     let mut bytes = Vec::new();
     let encoder = png::Encoder::new(&mut bytes, 100_000, 100_000);
@@ -135,7 +136,7 @@ fn textures_that_can_not_be_read_are_errors_with_line_and_name_or_warnings() {
             assert!(warnings.iter().any(said), "{expected}: {warnings:?}");
         }
     }
-    // Of a material that nothing is made of nothing is read.
+    // No texture is read for a material that no face uses.
     assert!(folder.read(obj(&["b"])).is_ok());
 }
 
@@ -180,7 +181,7 @@ fn cutouts_are_alpha_and_brightness_where_there_is_none() {
     assert!(folder.warnings().iter().any(|text| text.starts_with(other)), "{:?}", folder.warnings());
 }
 
-/// Two materials of each of these pictures, by this statement.
+/// Returns two materials for each of these pictures, by this statement.
 fn twice(folder: &Folder, pictures: &[&str], statement: &str) -> String {
     let names = pictures.iter().flat_map(|name| [format!("{name}1"), format!("{name}2")]);
     let names: Vec<String> = names.collect();
@@ -202,7 +203,8 @@ fn masks_of_brightness_and_broken_pictures_have_a_limit_with_the_others() {
     let expected = "m.mtl:2: map_d 'a.png' of material 'a1': its copy with brightness as alpha has another 2x1 pixels, \
                     2 in all, over the limit of 1; raise it with --max-textures";
     assert!(message.contains(expected), "{message}");
-    // Each broken one is decoded once, whatever names it, and four times the limit in all.
+    // Each broken picture is decoded once, however many statements name it. Four times the limit may be decoded in
+    // total.
     let broken = std::fs::read(folder.file("sub/a.png")).unwrap();
     let names = ["b", "c", "d", "e", "f"];
     for name in names {
@@ -212,16 +214,16 @@ fn masks_of_brightness_and_broken_pictures_have_a_limit_with_the_others() {
     assert!(folder.read_with(content, &warn().limits(limits(2))).is_ok());
     let warnings = folder.warnings();
     let said = |text: &str| warnings.iter().filter(|warning| warning.contains(text)).count();
-    // The first five of ten are logged: of the first two pictures and a half.
+    // The first five of ten warnings are logged, which belong to the first two pictures and a half.
     assert_eq!((said("can't read the texture"), said("textures that can't be read: 5 more")), (5, 1), "{warnings:?}");
 }
 
-/// A scene of `STEREOTRACE_SCENES`, or of target/scenes.
+/// Returns a scene from `STEREOTRACE_SCENES` or target/scenes, if it is there.
 fn found(name: &str) -> Option<Scene> {
     let folder = std::env::var("STEREOTRACE_SCENES").unwrap_or_else(|_| "target/scenes".into());
     let path = std::path::Path::new(&folder).join(name).join(format!("{name}.obj"));
     if !path.is_file() {
-        // Not through println: the test harness would keep it to itself.
+        // The test harness would hide output of println.
         let _ = writeln!(std::io::stderr(), "skipped: scene not found, run with {}", path.display());
         return None;
     }

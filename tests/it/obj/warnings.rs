@@ -1,4 +1,4 @@
-//! What is said of a file that is read, and what is not.
+//! Tests the messages about files that are read.
 
 use stereotrace::{Origin, Scene, SceneOptions, glam::Vec3};
 
@@ -83,7 +83,7 @@ fn meshes_of_ones_own_are_warned_of_too_and_at_most_six_times() {
     assert!(own[5].ends_with("more meshes have triangles without area; they are counted but not listed"), "{}", own[5]);
 }
 
-/// A grid of 40,000 quads, each a hundredth wide, far from the origin.
+/// Tests a grid of 40,000 quads, each a hundredth wide, far from the origin.
 #[test]
 fn triangles_lost_to_rounding_are_told_and_counted() {
     let folder = Folder::new("rounding");

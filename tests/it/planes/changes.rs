@@ -1,4 +1,4 @@
-//! Planes in scenes that move, and lights by rule beside them.
+//! Tests planes in scenes that move, and placed lights beside planes.
 
 use stereotrace::{
     BvhBuild, MaterialId, Mesh, Method, Options, Plane, StereoCamera, Update,
@@ -51,7 +51,7 @@ fn planes_come_and_go_by_a_new_tree_alone() {
         "{error}"
     );
     renderer.update(&mut uploaded, &scene, Update::Rebuild(BvhBuild::Fast)).wait().unwrap();
-    // All triangles lose their area, and get it back: of the tree planes alone are left in between.
+    // All triangles lose their area and get it back. In between, the scene has only planes.
     let object = Mesh::new(vec![Vec3::ZERO; 3], vec![[0, 1, 2]; scene.triangles().len()]);
     let whole = stage(Things::Mesh, tilt());
     let corners: Vec<Vec3> = whole.triangles().iter().flat_map(|triangle| triangle.corners).collect();
@@ -72,7 +72,7 @@ fn lights_by_rule_stand_on_the_eyes_side_of_planes() {
     for eye in [Vec3::new(0.5, 0.3, 6.0), Vec3::new(0.5, 40.0, 6.0), Vec3::new(0.0, -2.0, 6.0)] {
         for things in THINGS {
             let mut scene = stage(things, Quat::IDENTITY);
-            // A roof too, close above the eye.
+            // A roof is close above the eye.
             scene.add_plane(Plane::new((eye.y + 0.2) * Vec3::Y, Vec3::NEG_Y, MaterialId(0))).unwrap();
             let camera = StereoCamera::look_at(eye, Vec3::new(0.0, 0.5, 0.0)).size(64, 48);
             scene.place_lights(7, &camera).unwrap();
@@ -82,6 +82,6 @@ fn lights_by_rule_stand_on_the_eyes_side_of_planes() {
             }
         }
     }
-    // Planes have no box.
+    // Planes have no bounding box.
     assert_eq!(stage(Things::Nothing, Quat::IDENTITY).bounds(), None);
 }

@@ -1,4 +1,4 @@
-//! What rays meet, against double precision and the twin.
+//! Tests the hits of rays against double precision and the twin.
 
 use stereotrace::{
     MISS, MaterialId, Mesh, Method, Options, Plane, Ray, Scene, Sky, Sphere, StereoCamera,
@@ -14,7 +14,7 @@ use super::{
     truth::{Truth, judged},
 };
 
-/// More planes: a wall, one below the ground, and one that is parallel to it, and above.
+/// Returns a stage with more planes: a wall, one below the ground, and a parallel one above.
 fn room(turn: Quat) -> Scene {
     let mut scene = stage(Things::All, turn);
     for (point, normal) in [(-6.0 * Vec3::Z, Vec3::Z), (-Vec3::Y, Vec3::NEG_Y), (6.0 * Vec3::Y, Vec3::Y)] {
@@ -43,7 +43,7 @@ fn eyes_below_beside_and_just_above_a_ground_see_it_as_by_formula() {
         (Vec3::new(0.3, -0.8, 5.0), Vec3::new(0.0, -0.1, 0.0), 1000),
         (Vec3::new(0.3, 1e-3, 5.0), Vec3::new(0.0, 0.3, 0.0), 1000),
         (Vec3::new(0.3, 1e4, 5.0), Vec3::new(0.0, 0.0, -1e4), 3000),
-        // Straight down, straight up, and away.
+        // The eye looks straight down, straight up, and away from the plane.
         (Vec3::new(0.3, 4.0, 0.1), Vec3::new(0.3, 0.0, 0.0), 5000),
         (Vec3::new(0.3, -4.0, 0.1), Vec3::new(0.3, 0.0, 0.0), 5000),
         (Vec3::new(0.3, 4.0, 0.1), Vec3::new(0.3, 9.0, 0.0), 0),
@@ -57,14 +57,15 @@ fn eyes_below_beside_and_just_above_a_ground_see_it_as_by_formula() {
     }
 }
 
-/// The horizon is between the rays that go down and those that do not, but for what is farther than a plane is met.
+/// The horizon is between the rays that go down and those that do not. The ground ends at the largest distance at which
+/// planes are hit.
 #[test]
 fn the_horizon_is_where_rays_stop_to_go_down() {
     for (height, pitch) in [(1.5_f32, 0.1_f32), (1.5, -0.2), (300.0, 0.0), (2e6, -0.02), (-3.0, 0.1)] {
         let mut scene = stage(Things::Nothing, Quat::IDENTITY);
         scene.lights.clear();
         let eye = Vec3::new(10.0, height, 7.0);
-        // Behind the eyes, so that there is a tree, and bracket searches it.
+        // The sphere is behind the eyes, so that there is a tree and bracket searches it.
         let behind = Sphere::new(eye + 3.0 * height.abs() * Vec3::Z, 0.5 * height.abs(), MaterialId(0));
         scene.add_sphere(behind).unwrap();
         let camera = StereoCamera::look_at(eye, eye + Vec3::new(0.1, pitch, -1.0).normalize() * height.abs())
@@ -90,7 +91,7 @@ fn the_horizon_is_where_rays_stop_to_go_down() {
     }
 }
 
-/// On software Vulkan to the last bit, in every variant of the traversal.
+/// On software Vulkan, hits are equal to the last bit in every variant of the traversal.
 #[test]
 fn hits_are_the_twins_in_every_traversal() {
     let scenes = [stage(Things::Nothing, tilt()), stage(Things::Spheres, tilt()), room(tilt())];
@@ -171,7 +172,7 @@ fn rays_that_begin_in_a_plane_or_run_along_it_do_not_meet_it() {
     assert_eq!(renderer.any_hits(&uploaded, &both).wait().unwrap().hits, [false, false, true, false, true]);
 }
 
-/// An eye in a ground sees neither of its sides, and what stands there by every method.
+/// An eye in a plane sees neither of its sides. Every method shows the objects there.
 #[test]
 fn an_eye_in_a_plane_sees_past_it() {
     let mut scene = stage(Things::Spheres, Quat::IDENTITY);
@@ -198,7 +199,7 @@ fn an_eye_in_a_plane_sees_past_it() {
     }
 }
 
-/// A quad so wide that its edges are beyond the picture's horizon, nearly: where both are exact they agree.
+/// A quad is so wide that its edges lie beyond the picture's horizon. Where both are exact, the pictures agree.
 #[test]
 fn a_plane_is_a_quad_a_million_units_wide() {
     let turn = tilt();

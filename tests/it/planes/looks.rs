@@ -1,4 +1,4 @@
-//! What planes look like: textures, mirrors and glass, against closed forms.
+//! Tests the appearance of planes: textures, mirrors and glass, against closed forms.
 
 use stereotrace::{
     Finish, Light, Material, MaterialId, Mesh, Method, Options, Plane, Scene, Sky, Sphere, StereoCamera, StereoPair,
@@ -32,7 +32,7 @@ fn linear(view: &View, index: usize) -> Vec3 {
     Vec3::from_slice(&view.linear[index][..3])
 }
 
-/// A textured ground, as a plane or as a quad with texture coordinates by the documented axes.
+/// Returns a textured ground, as a plane or as a quad with texture coordinates by the documented axes.
 fn paved(texture: Texture, turn: Quat, tile: f32, is_plane: bool) -> Scene {
     let mut scene = Scene::new();
     let texture = scene.add_texture(texture);
@@ -61,7 +61,7 @@ fn a_picture_lies_along_the_axes_as_on_a_mesh_with_such_coordinates() {
         let [plane, quad] = [true, false]
             .map(|is_plane| left_of(&paved(picture.clone(), turn, tile, is_plane), &over(turn), Method::Naive));
         let (mut seen, mut worst) = (0, 0.0_f32);
-        // Far off the mesh's footprint is bounded, and a plane's is not.
+        // In the distance the mesh's footprint is bounded, and a plane's is not.
         for index in (0..plane.depth.len()).filter(|&index| plane.depth[index] < 25.0) {
             seen += 1;
             worst = worst.max((linear(&plane, index) - linear(&quad, index)).abs().max_element());
@@ -72,7 +72,7 @@ fn a_picture_lies_along_the_axes_as_on_a_mesh_with_such_coordinates() {
     }
 }
 
-/// Against the mean of 16 x 16 rays a pixel, by the documented texture coordinates in double precision.
+/// Compares with the mean of 16 x 16 rays per pixel, by the documented texture coordinates in double precision.
 #[test]
 fn a_checkerboard_is_the_mean_of_what_a_pixel_sees_of_it() {
     let board = Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 2).unwrap();
@@ -108,7 +108,7 @@ fn a_checkerboard_is_the_mean_of_what_a_pixel_sees_of_it() {
             let error = f64::from(linear(&view, index).x) / f64::from(0.9_f32) - mean;
             squares += error * error;
             count += 1;
-            // Where a pixel sees one square and no edge, near by.
+            // The pixel is near and sees one square without an edge.
             if (mean == 0.0 || mean == 1.0) && view.depth[index] < 4.0 {
                 near = near.max(error.abs());
             }
@@ -117,12 +117,12 @@ fn a_checkerboard_is_the_mean_of_what_a_pixel_sees_of_it() {
         println!(
             "tile {tile}: off by {off:.4} (root mean square of {count}, {sky} at the horizon), {near:.4} within squares"
         );
-        // Measured 0.084 at most; a square of the shadow's area is off by up to 0.107.
+        // Measured 0.084 at most. The error of a footprint that is a square of the same area is up to 0.107.
         assert!(count > 3000 && off < 0.095 && near < 0.01, "{tile}: {off} {near}");
     }
 }
 
-/// Towards the horizon a checkerboard becomes the mean of its colours, and no moire comes back.
+/// Towards the horizon a checkerboard becomes the mean of its colours, without moire.
 #[test]
 fn a_checkerboard_fades_to_its_mean_towards_the_horizon() {
     let board = Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 2).unwrap();
@@ -141,8 +141,8 @@ fn a_checkerboard_fades_to_its_mean_towards_the_horizon() {
     }
 }
 
-/// Below a mirror stands the world upside down, under mirrored lamps; where a pixel is carried over from the first eye,
-/// too.
+/// Below a mirror the world appears upside down, under mirrored lamps. This also holds for pixels reused from the first
+/// eye.
 #[test]
 fn a_mirror_shows_the_virtual_image() {
     let turn = tilt();
@@ -166,7 +166,7 @@ fn a_mirror_shows_the_virtual_image() {
     let glossy = Material::new(Vec3::ZERO).specular(Vec3::ONE).finish(Finish::Mirror { fresnel: false });
     let glossy = mirror.add_material(glossy);
     mirror.add_plane(Plane::new(turn * Vec3::new(50.0, 0.0, 20.0), up, glossy)).unwrap();
-    // Rolled, so that depths differ along a row.
+    // The camera is rolled, so that depths differ along a row.
     let camera = over(turn).up(turn * Vec3::new(0.6, 1.0, 0.0));
     let image = pair_of(&scene_of(true), &camera, Method::Naive).right;
     for method in [Method::Naive, Method::BRACKET, Method::ATOMIC] {
@@ -182,8 +182,8 @@ fn a_mirror_shows_the_virtual_image() {
     }
 }
 
-/// All below a plane of glass is glass: rays bend by Snell's law as they enter it, and go on within; from below they
-/// leave it, or are reflected where no ray leaves.
+/// The half-space below a glass plane is glass. Rays bend by Snell's law as they enter it. From below they leave it, or
+/// are totally reflected.
 #[test]
 fn a_plane_of_glass_is_the_face_of_a_half_space() {
     let (turn, index) = (tilt(), 1.5_f64);

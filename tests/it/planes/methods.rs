@@ -1,4 +1,4 @@
-//! The second eye by every method, against `Naive` of the same run.
+//! Tests the second eye by every method, against `Naive` of the same run.
 
 use stereotrace::{
     AmbientOcclusion, Finish, Light, Material, MaterialId, Method, Options, Plane, Rig, Scene, StereoCamera,
@@ -21,7 +21,7 @@ use super::{
     stage, tilt,
 };
 
-/// A ground with a checkerboard and a wall that mirrors, things of all kinds, points and a ball of light.
+/// Returns a ground with a checkerboard and a mirroring wall, objects of all kinds, point lights and a spherical light.
 fn everything(turn: Quat) -> Scene {
     let mut scene = stage(Things::All, turn);
     let board = scene.add_texture(Texture::checkerboard(Vec3::ONE, Vec3::splat(0.2), 2).unwrap());
@@ -37,7 +37,7 @@ fn everything(turn: Quat) -> Scene {
     scene
 }
 
-/// A camera whose rows run over the horizon aslant.
+/// Returns a camera whose rows cross the horizon at an angle.
 fn rolled(turn: Quat) -> StereoCamera {
     camera(turn).up(turn * Vec3::new(0.5, 1.0, 0.0))
 }
@@ -52,7 +52,7 @@ fn scenes() -> Vec<(String, Scene)> {
     all
 }
 
-/// Pixels of the right views that show another primitive.
+/// Returns the number of pixels of the right views that show another primitive.
 fn others(pair: &StereoPair, naive: &StereoPair) -> usize {
     pair.right.primitive.iter().zip(&naive.right.primitive).filter(|(a, b)| a != b).count()
 }
@@ -86,7 +86,7 @@ fn every_method_shows_planes_as_naive_does_or_within_its_own_bounds() {
                         assert!(found.identical_percent > 99.0, "{name} {method}: {}", found.identical_percent);
                     }
                     Method::Ideal => {}
-                    // Measured at most 0.52: the half pixel by which foregrounds grow.
+                    // Measured at most 0.52, from the half pixel by which foregrounds grow.
                     _ => assert!(wrong < 1.0, "{name} {method}: {wrong}"),
                 }
             }
@@ -94,7 +94,8 @@ fn every_method_shows_planes_as_naive_does_or_within_its_own_bounds() {
     }
 }
 
-/// With soft light and ambient occlusion, as software adapters and GPUs are given it, and by the rest of the choices.
+/// Tests soft light and ambient occlusion with the traversals of software adapters and of GPUs, and with the remaining
+/// choices.
 #[test]
 fn bracket_is_naive_to_the_last_bit_where_all_shadow_rays_are_traced() {
     let (scene, camera) = (everything(tilt()), camera(tilt()).size(49, 35));
@@ -117,7 +118,7 @@ fn bracket_is_naive_to_the_last_bit_where_all_shadow_rays_are_traced() {
     }
 }
 
-/// What becomes of each right pixel, and of each shadow, as the twins have it.
+/// Tests the source of each right pixel and of each shadow against the twins.
 #[test]
 fn fates_and_shadows_are_the_twins() {
     let mut renderer = renderer();
@@ -148,7 +149,7 @@ fn fates_and_shadows_are_the_twins() {
     }
 }
 
-/// Views between two traced ones, and to both sides of a source.
+/// Tests views between two traced ones, and on both sides of a source.
 #[test]
 fn rigs_of_many_eyes_show_planes_as_naive_does() {
     let (scene, mut renderer) = (everything(tilt()), renderer());
@@ -163,7 +164,7 @@ fn rigs_of_many_eyes_show_planes_as_naive_does() {
     }
 }
 
-/// Tiles of nothing but sky are not searched for planes: over a horizon they cost what they cost without planes.
+/// Tiles of nothing but sky are not searched for planes. Above a horizon they cost the same as without planes.
 #[test]
 fn tiles_above_the_horizon_are_sky_at_once() {
     let mut renderer = renderer();

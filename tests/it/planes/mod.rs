@@ -1,5 +1,5 @@
-//! Infinite planes: hits and light against double precision, pictures against closed forms, methods against `Naive` of
-//! the same run.
+//! Tests infinite planes: hits and light against double precision, pictures against closed forms, methods against
+//! `Naive` of the same run.
 
 mod changes;
 use crate::common;
@@ -15,7 +15,7 @@ use stereotrace::{
     glam::{Quat, Vec3},
 };
 
-/// What stands on a ground.
+/// Objects on a ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Things {
     Nothing,
@@ -27,12 +27,12 @@ enum Things {
 
 const THINGS: [Things; 5] = [Things::Nothing, Things::Spheres, Things::Mesh, Things::Ellipsoids, Things::All];
 
-/// Turns the level world into one whose axes no normal is along.
+/// Returns a rotation from the level world to one in which no normal is along an axis.
 fn tilt() -> Quat {
     Quat::from_axis_angle(Vec3::new(1.0, 0.2, 0.3).normalize(), 0.5)
 }
 
-/// A ground through a point far aside, as level as the turn says, under two lamps.
+/// Returns a ground through a point far aside, rotated by `turn`, under two lamps.
 fn stage(things: Things, turn: Quat) -> Scene {
     let mut scene = Scene::new();
     let red = scene.add_material(Material::new(Vec3::new(0.7, 0.2, 0.1)));
@@ -62,7 +62,7 @@ fn stage(things: Things, turn: Quat) -> Scene {
     scene
 }
 
-/// With the horizon in the picture.
+/// Returns a camera with the horizon in the picture.
 fn camera(turn: Quat) -> StereoCamera {
     StereoCamera::look_at(turn * Vec3::new(0.7, 1.2, 5.3), turn * Vec3::new(0.0, 0.7, 0.0))
         .up(turn * Vec3::Y)

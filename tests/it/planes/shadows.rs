@@ -1,4 +1,4 @@
-//! Where shadow rays begin and end on a plane, at any distance and angle.
+//! Tests where shadow rays begin and end on a plane, at any distance and angle.
 
 use stereotrace::{
     AmbientOcclusion, Light, Material, MaterialId, Method, Options, Plane, Scene, Sky, Sphere, StereoCamera, View,
@@ -8,14 +8,14 @@ use stereotrace::{
 
 use super::{common::renderer, tilt};
 
-/// A white ground under one lamp, from an eye so far from what it looks at, at so small an angle to the ground. The
-/// lamp is where it is said to be in units of the distance.
+/// A white ground under one lamp. The eye is at `distance` from its target, at `angle` to the ground. The lamp's
+/// position is in units of the distance.
 struct Case {
     distance: f32,
     angle: f32,
     lamp: Vec3,
     turn: Quat,
-    /// Where the plane's own point is, in units of the distance.
+    /// Offset of the plane's own point, in units of the distance.
     aside: f32,
 }
 
@@ -47,8 +47,8 @@ fn left_of(scene: &Scene, camera: &StereoCamera) -> View {
     renderer.pair(&uploaded, camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap().left
 }
 
-/// Nothing that faces the lamp may be dark, but where the lamp is lower than shadow rays end off the surface; and
-/// Lambert's cosine is that of the place that is seen, to as much.
+/// No pixel that faces the lamp may be dark, unless the lamp is lower than the offset of shadow rays from the surface.
+/// The brightness is Lambert's cosine at the visible point, within the same offset.
 #[test]
 fn a_ground_casts_no_shadow_on_itself() {
     let mut worst = 0.0_f64;
@@ -77,7 +77,7 @@ fn a_ground_casts_no_shadow_on_itself() {
                             let point = pose.eye + way * f64::from(*depth);
                             let cosine = (light - point).normalize().dot(normal);
                             let found = f64::from(view.linear[index][0]);
-                            // Shadow rays end off the surface by so much, as docs/ARCHITECTURE.md has it.
+                            // Shadow rays end at this offset from the surface, as docs/ARCHITECTURE.md defines it.
                             let (from_eye, way) = (point.distance(pose.eye), point.distance(light));
                             let off = from_eye / 131_072.0 + point.length() / 2_097_152.0 + way / 1_048_576.0;
                             dark += usize::from(found == 0.0 && cosine > 1.01 * off / way);
@@ -94,7 +94,7 @@ fn a_ground_casts_no_shadow_on_itself() {
     assert!(worst < 1.1, "{worst}");
 }
 
-/// Its counterpart: under a ball that stands on the ground the ground is dark, up to where it stands.
+/// Tests the opposite: the ground below a ball that stands on it is dark, up to the point of contact.
 #[test]
 fn what_stands_on_a_ground_has_its_shadow_at_its_foot() {
     for turn in [Quat::IDENTITY, tilt()] {
@@ -112,7 +112,7 @@ fn what_stands_on_a_ground_has_its_shadow_at_its_foot() {
                     + pose.right * (pose.screen_size[0] * (x / 56.0 - 0.5))
                     + pose.up * (pose.screen_size[1] * (0.5 - y / 40.0));
                 let point = pose.eye.as_vec3() + way * (view.depth[index] / pose.screen_distance);
-                // The lamp is 40 radii up: the shadow is a little wider than the ball.
+                // The lamp is 40 radii up, so the shadow is a little wider than the ball.
                 let (lamp, centre) = (40.0, 1.0_f32);
                 let reach = radius * lamp / ((lamp - centre).powi(2) - 1.0).sqrt();
                 let from_foot = point.length();
@@ -126,7 +126,7 @@ fn what_stands_on_a_ground_has_its_shadow_at_its_foot() {
     }
 }
 
-/// A plane between a lamp and a ground leaves nothing of its light; on the same side it does no harm.
+/// A plane between a lamp and a ground occludes all its light. A plane elsewhere has no effect.
 #[test]
 fn planes_shade_one_another() {
     let case = Case { distance: 4.0, angle: 0.4, lamp: Vec3::new(0.1, 1.0, 0.2), turn: tilt(), aside: 2.0 };
@@ -141,8 +141,7 @@ fn planes_shade_one_another() {
     }
 }
 
-/// Of light that comes from everywhere in a disc straight above, all arrives; and nothing but the ball keeps ambient
-/// light off.
+/// Light from a disc straight above arrives completely. Only the ball occludes ambient light.
 #[test]
 fn soft_light_and_ambient_light_reach_an_open_ground_whole() {
     let case = Case { distance: 5.0, angle: 0.5, lamp: Vec3::Y, turn: tilt(), aside: 1.0 };

@@ -1,4 +1,4 @@
-//! PLY files: what `Scene::from_ply` makes of them, and what it says where it can't.
+//! Tests PLY files: the results of `Scene::from_ply`, and its messages about unsupported or invalid content.
 use crate::common;
 
 use common::{folder::Folder, warnings};
@@ -7,7 +7,7 @@ use stereotrace::{
     glam::{Vec2, Vec3},
 };
 
-/// A square of two triangles that are one face, as text, with these lines for a vertex's further properties.
+/// Returns a square of two triangles that are one face, as text, with these lines for a vertex's further properties.
 fn square(properties: &str, values: [&str; 4], face: &str) -> String {
     let corners = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"];
     let vertices: String = corners.iter().zip(values).map(|(corner, more)| format!("{corner} {more}\n")).collect();
@@ -32,7 +32,7 @@ fn corners(scene: &Scene) -> Vec<[Vec3; 3]> {
     scene.triangles().iter().map(|triangle| triangle.corners).collect()
 }
 
-/// The line and the reason of the error that `content` gives.
+/// Returns the line and the reason of the error that `content` gives.
 #[track_caller]
 fn error(content: impl AsRef<[u8]>) -> (Option<usize>, String) {
     match read(content) {
@@ -62,7 +62,7 @@ fn normals_colours_and_texture_coordinates_reach_their_corners() {
     let values = ["0 0 2 255 0 0 9 0 0", "0 3 4 0 188 0 9 1 0", "0 0 1 0 0 255 9 1 1", "0 0 1 255 255 255 9 0 1"];
     let scene = scene(square(properties, values, "4 0 1 2 3"));
     assert_eq!(scene.triangles()[0].normals, [Vec3::Z, Vec3::new(0.0, 0.6, 0.8), Vec3::Z]);
-    // 188 is half the light of 255 (IEC 61966-2-1: 0.5029).
+    // The value 188 has half the light of 255 (IEC 61966-2-1: 0.5029).
     let [red, green, blue] = scene.colors()[0];
     assert_eq!((red, blue), (Vec3::X, Vec3::Z));
     assert!((green - Vec3::new(0.0, 0.502_886, 0.0)).length() < 1e-5, "{green}");
@@ -79,7 +79,7 @@ fn normals_colours_and_texture_coordinates_reach_their_corners() {
         "3 0 1 2",
     );
     assert!((self::scene(shorts).colors()[0][1] - green).length() < 1e-5);
-    // A zero has no direction.
+    // A zero normal has no direction.
     let flat = square(
         "property float nx\nproperty float ny\nproperty float nz\n",
         ["0 0 0", "0 0 1", "0 0 1", "0 0 1"],
@@ -88,7 +88,7 @@ fn normals_colours_and_texture_coordinates_reach_their_corners() {
     assert!(!self::scene(flat).has_normals());
 }
 
-/// The square with each type of number, in both byte orders.
+/// Tests the square with each type of number, in both byte orders.
 #[test]
 fn binary_numbers_of_all_types_and_orders_are_read() {
     type Put = fn(f64) -> Vec<u8>; // big-endian
@@ -113,7 +113,7 @@ fn binary_numbers_of_all_types_and_orders_are_read() {
                      vertex_index\nend_header\n"
             );
             if index > 5 {
-                // Lists count in whole numbers.
+                // Counts of lists are whole numbers.
                 bytes = bytes.replace(&format!("list {name}"), "list uchar");
             }
             let mut bytes = bytes.into_bytes();
@@ -156,7 +156,7 @@ fn binary_numbers_of_all_types_and_orders_are_read() {
 
 #[test]
 fn polygons_are_split_by_ears_and_what_has_no_area_is_dropped() {
-    // An arrowhead whose first corner sees nothing of the far wing.
+    // The face is an arrowhead whose first corner does not see the far wing.
     let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement \
         face \
                 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n2 1 0\n0 2 0\n1 1 0\n4 0 1 2 3\n3 0 0 \
@@ -214,7 +214,7 @@ fn faults_are_named_with_their_line_or_element() {
     ] {
         let (found, reason) = error(&content);
         assert!(reason.contains(expected), "{expected}: {reason}");
-        // A property that is missing is no line's.
+        // A missing property has no line.
         assert!(found == line || expected.contains("there is no property"), "{expected}: {found:?}");
     }
 }
@@ -248,7 +248,7 @@ fn smooth_normals_are_made_where_they_are_asked_for() {
     assert!(smooth(300.0).unwrap_err().to_string().contains("crease angle: it is 300 degrees"));
 }
 
-/// What a header promises takes no memory and no time until the file has it.
+/// The counts in a header take no memory and no time until the file has the data.
 #[test]
 fn a_header_that_promises_billions_is_answered_at_once() {
     let start = std::time::Instant::now();
@@ -270,7 +270,7 @@ fn a_header_that_promises_billions_is_answered_at_once() {
                 "{message}"
             );
         }
-        // A list of as many, of which there is one.
+        // A list has as many entries, of which one is there.
         let list = format!("{head}element vertex 0\n{vertex}{face}end_header\n");
         let list =
             [list.as_bytes(), if format == "ascii" { b"4000000000 0" } else { &[255, 255, 255, 255, 0, 0, 0, 0] }]
@@ -289,7 +289,7 @@ fn files_over_the_limit_are_not_read() {
     assert!(message.contains("over the limit of 100; raise it with --max-file"), "{message}");
 }
 
-/// Doubles in UTM coordinates, as scanners write them, which f32 rounds to half a unit.
+/// Tests doubles in UTM coordinates, as scanners write them, which f32 rounds to half a unit.
 #[test]
 fn doubles_far_from_the_origin_keep_what_they_say() {
     let corners =
@@ -329,7 +329,7 @@ fn names_200_000_of_them_take_no_square_of_time() {
     let elements: String = (0..200_000).map(|number| format!("element e{number} 0\n")).collect();
     let content = square(&format!("element other 0\n{properties}{elements}"), [""; 4], "4 0 1 2 3");
     assert_eq!(scene(content).triangles().len(), 2);
-    // It takes half a second, and took minutes when each name was compared with all before it.
+    // This takes half a second. It took minutes when each name was compared with all before it.
     assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
     for (header, expected) in [
         ("property float w\nproperty uchar w\n", "element vertex has two properties w"),

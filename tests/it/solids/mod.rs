@@ -1,21 +1,21 @@
-//! Closed meshes, and what is certain to lie inside them.
+//! Closed meshes, and tests for points that are certain to lie inside them.
 use std::collections::HashMap;
 
 use stereotrace::glam::{DVec3, Vec3};
 
 use crate::common::random::Random;
 
-/// A closed mesh of about unit size around the origin, and a test that is sure of some points that they lie inside.
+/// A closed mesh of about unit size around the origin, with a test that is certain for some points inside it.
 pub(crate) struct Solid {
     pub name: &'static str,
     pub positions: Vec<Vec3>,
     pub triangles: Vec<[u32; 3]>,
     pub inside: Box<dyn Fn(DVec3) -> bool>,
-    /// Coordinates of its planes that are level with an axis: places from which they are seen exactly edge-on.
+    /// Coordinates of its axis-aligned planes. From there the planes are seen exactly edge-on.
     pub levels: Vec<f32>,
 }
 
-/// A sphere of 20 * 4^subdivisions triangles, radius 1.
+/// Returns a sphere of 20 * 4^subdivisions triangles with radius 1.
 pub(crate) fn icosphere(subdivisions: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let golden = 0.5 * (1.0 + 5.0_f32.sqrt());
     let mut positions: Vec<Vec3> = (0..12)
@@ -44,7 +44,7 @@ pub(crate) fn icosphere(subdivisions: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (positions, triangles)
 }
 
-/// The convex hull of few points in general position: triangles that have all other points on one side.
+/// Returns the convex hull of few points in general position: the triangles that have all other points on one side.
 fn hull_triangles(points: &[Vec3]) -> Vec<[u32; 3]> {
     let at = |index: usize| points[index].as_dvec3();
     let mut triangles = Vec::new();
@@ -65,7 +65,7 @@ fn hull_triangles(points: &[Vec3]) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// The surface of a set of cubes on a lattice, with shared corners, centred.
+/// Returns the surface of a set of cubes on a lattice, with shared corners, centred.
 fn cubes(name: &'static str, filled: impl Fn([i32; 3]) -> bool + 'static, count: i32) -> Solid {
     let mut corners = HashMap::new();
     let mut lattice: Vec<[i32; 3]> = Vec::new();
@@ -94,7 +94,7 @@ fn cubes(name: &'static str, filled: impl Fn([i32; 3]) -> bool + 'static, count:
     }
     let place = move |step: i32| 2.0 * step as f32 / count as f32 - 1.0;
     let inside = move |point: DVec3| {
-        // A fifth of a cube around the point is filled.
+        // All cells within a tenth of a cell's side from the point are filled.
         let side = 0.5 * f64::from(count);
         (0..8).all(|corner| {
             let away = DVec3::from_array([0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { -0.1 } else { 0.1 }));
@@ -139,7 +139,7 @@ fn torus() -> Solid {
     }
 }
 
-/// Every kind.
+/// Returns a solid of every kind.
 pub(crate) fn solids() -> Vec<Solid> {
     let (positions, triangles) = icosphere(3);
     let sphere_inside = |point: DVec3| point.length() < 0.95;

@@ -1,4 +1,4 @@
-//! Devices: lost ones, those of the caller, and those whose limits a scene or a picture goes over.
+//! Tests devices: lost devices, devices of the caller, and devices whose limits a scene or a picture exceeds.
 
 use stereotrace::{
     Error, Fetch, Gpu, Method, Options, RaysPerLane, Renderer, Traversal, blocking::Wait, scene::builtin::Builtin, wgpu,
@@ -74,7 +74,7 @@ fn a_scene_uploaded_to_another_device_is_refused() {
     assert!(matches!(error, Error::ForeignScene), "{error}");
 }
 
-/// A device of the tests' adapter with lower limits.
+/// Opens a device of the tests' adapter with lower limits.
 fn limited(bytes: u64, side: u32) -> Gpu {
     let mut limits = own_gpu().device().limits();
     limits.max_storage_buffer_binding_size = bytes;
@@ -104,13 +104,13 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
     let error = tiny.upload(&scene).wait().unwrap_err();
     let message = error.to_string();
     assert!(matches!(error, Error::Limit { limit: "max_storage_buffer_binding_size", .. }), "{message}");
-    // 1 MiB holds 65,536 texels: four a primitive with normals, and one or a half for its share of the nodes.
+    // 1 MiB holds 65,536 texels: four per primitive with normals, and one or a half for its share of the nodes.
     assert!(message.starts_with(&format!("a scene of {} primitives needs ", scene.primitive_count())), "{message}");
     let fits =
         message.split_once("enough for 65536, about ").and_then(|(_, rest)| rest.split(' ').next()?.parse().ok());
     assert!(fits.is_some_and(|fits: u32| (13_000..15_000).contains(&fits)), "{message}");
 
-    // A sky of 2 MiB.
+    // The sky takes 2 MiB.
     let mut scene = Builtin::Near.scene();
     scene.sky = stereotrace::Sky::Map(stereotrace::SkyMap::procedural(512).unwrap());
     assert_eq!(small.upload(&scene).wait().unwrap().info().traversal.fetch, Fetch::Texture);
@@ -119,7 +119,7 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
     assert!(message.ends_with("enough for 65536; use smaller or fewer pictures"), "{message}");
 }
 
-/// `bracket` keeps a texture as wide as the picture, of which WebGPU promises 8192 pixels.
+/// `bracket` keeps a texture as wide as the picture. WebGPU guarantees 8192 pixels.
 #[test]
 fn auto_traces_both_views_of_pictures_that_are_too_wide_for_bracket() {
     let mut renderer = Renderer::new(gpu_with_limits(wgpu::Limits::default()));

@@ -1,4 +1,4 @@
-//! Frames: what one keeps, counts and says of its progress, and that the next one is not changed by it.
+//! Tests frames: kept results, counters and progress, and that a frame does not change the next one.
 
 use stereotrace::{
     Check, Error, GBuffer, Light, Method, Options, PixelSource, blocking::Wait, metrics::compare,
@@ -148,7 +148,7 @@ fn a_map_of_costs_adds_up_to_the_counts_and_changes_no_picture() {
             let sum: u64 = view.cost.iter().map(|&cost| u64::from(cost)).sum();
             assert_eq!(sum, work.nodes + work.primitive_tests, "{method}");
         }
-        // A pixel that is traced costs; one that is copied does not.
+        // A traced pixel has a cost, and a reused one has none.
         let checked = matches!(
             method,
             Method::Auto | Method::Atomic(Check::All) | Method::Buffer(_, Check::All) | Method::Bracket(_)
@@ -163,7 +163,7 @@ fn a_map_of_costs_adds_up_to_the_counts_and_changes_no_picture() {
 
 #[test]
 fn the_picture_that_the_device_encodes_is_the_linear_one_clamped() {
-    // The host follows right_source on its own.
+    // The host computes these pictures from right_source itself.
     for &method in Method::ALL {
         let pair = render_builtin(Builtin::Hall, method);
         for view in [&pair.left, &pair.right] {

@@ -1,4 +1,4 @@
-//! The methods against each other and against `Naive` of the same run.
+//! Tests the methods against each other and against `Naive` of the same run.
 
 use std::num::NonZeroU32;
 
@@ -61,7 +61,7 @@ fn atomic_and_buffer_choose_the_same_candidate_everywhere() {
 fn a_buffer_of_2e_slots_loses_candidates_nearer_than_half_the_screen_and_one_slot_more_than_fits_does_not() {
     let near = render_builtin(Builtin::Near, BUFFER_2E);
     assert!(near.statistics.lost_candidates > 0, "nearest surface at d/7");
-    // With atomicMax the farther ones are lost, so the picture stands.
+    // With atomicMax the farther candidates are lost, so the picture is the same.
     assert_eq!(near.right, render_builtin(Builtin::Near, Method::BUFFER).right);
     let far = render_builtin(Builtin::Fence, BUFFER_2E);
     assert_eq!(far.statistics.lost_candidates, 0, "nothing nearer than 0.65 d");
@@ -73,7 +73,7 @@ fn a_buffer_of_2e_slots_loses_candidates_nearer_than_half_the_screen_and_one_slo
 
 #[test]
 fn lemma_1_bounds_the_columns_that_meet() {
-    // All that land on one right column, over random depths in [near, far]: fewer than B + 1 columns apart.
+    // Over random depths in [near, far], all columns that land on one right column are fewer than B + 1 columns apart.
     let mut random = Random::new(5);
     for case in 0..200 {
         let camera = StereoCamera::look_at(Vec3::Z, Vec3::ZERO)
@@ -94,14 +94,14 @@ fn lemma_1_bounds_the_columns_that_meet() {
             };
             if let Some(right) = stereotrace::testing::cpu::reproject::right_column(&frame, column, z) {
                 let first = *first[right].get_or_insert(column);
-                // f32 rounding of X, a few ulps of 400 px.
+                // f32 rounds X by a few ulps of 400 px.
                 assert!(((column - first) as f64) < bound + 1.0 + 1e-4, "case {case}: {first} {column} {bound}");
             }
         }
     }
 }
 
-/// How `Atomic`'s right view differs from `Naive`'s.
+/// Returns the difference of `Atomic`'s right view from `Naive`'s.
 fn accuracy(builtin: Builtin, method: Method) -> Difference {
     let naive = render_builtin(builtin, Method::Naive);
     compare(&render_builtin(builtin, method).right, &naive.right, &naive.pose).unwrap()
@@ -109,7 +109,8 @@ fn accuracy(builtin: Builtin, method: Method) -> Difference {
 
 #[test]
 fn atomic_is_as_accurate_as_measured_and_trust_without_verification_is_not() {
-    // (scene, wrong surface %, MSE) measured on llvmpipe at 190x107; the bounds are 1.5 times that.
+    // The entries are scene, wrong surface in percent, and MSE, measured on llvmpipe at 190x107. The bounds are 1.5
+    // times these.
     let measured = [
         (Builtin::Spheres, 1.928, 112.26),
         (Builtin::Hall, 2.120, 264.24),
@@ -123,7 +124,7 @@ fn atomic_is_as_accurate_as_measured_and_trust_without_verification_is_not() {
         assert!(atomic.wrong_surface_percent <= 1.5 * wrong_surface, "{builtin}: {atomic:?}");
         assert!(atomic.mse <= 1.5 * mse, "{builtin}: {atomic:?}");
         let trusting = accuracy(builtin, TRUSTING);
-        // Elsewhere an occluder that only the right eye sees is rare, and trust costs less than half more.
+        // In other scenes an occluder that only the right eye sees is rare, and trust costs less than half more.
         if matches!(builtin, Builtin::Fence | Builtin::Near | Builtin::Grazing) {
             assert!(trusting.wrong_surface_percent > 1.5 * wrong_surface, "{builtin}: {trusting:?}");
         }
@@ -133,7 +134,8 @@ fn atomic_is_as_accurate_as_measured_and_trust_without_verification_is_not() {
     }
 }
 
-/// Which primitives of a built-in scene are mirrors or of glass: what they show is each eye's own.
+/// Returns which primitives of a built-in scene are mirrors or glass. Their reflections and refractions depend on the
+/// eye.
 fn sending(builtin: Builtin) -> Vec<bool> {
     let scene = builtin.scene();
     let triangles = scene.triangles().iter().map(|triangle| triangle.material);
@@ -144,7 +146,7 @@ fn sending(builtin: Builtin) -> Vec<bool> {
     materials.map(|material| scene.materials()[material.0 as usize].finish != Finish::Matte).collect()
 }
 
-/// Whether what a pixel shows is one of them.
+/// Returns whether a pixel shows a mirror or glass.
 fn sends_rays(sending: &[bool], primitive: u32) -> bool {
     sending.get(primitive as usize).is_some_and(|sends| *sends)
 }
@@ -183,7 +185,7 @@ fn the_right_view_follows_the_map_and_the_counts_follow_both() {
                 _ => assert_eq!(pair.right.linear[index], naive.right.linear[index], "pixel {index}"),
             }
         }
-        // Depth, primitive and object of a miss go together.
+        // A miss has neither depth, primitive nor object.
         for view in [&pair.left, &pair.right] {
             for index in 0..pixels as usize {
                 let hit = view.primitive[index] != MISS;
@@ -200,7 +202,7 @@ fn a_thread_a_row_sweeps_as_adelson_and_hodges_do() {
         let adelson_hodges = render_builtin(builtin, Method::ADELSON_HODGES);
         assert_eq!(es_isler.source, adelson_hodges.source, "{builtin}");
         assert_eq!(es_isler.right, adelson_hodges.right, "{builtin}");
-        // And both as the sweep over the left view's depths says.
+        // Both follow the sweep over the left view's depths.
         let frame = stereotrace::testing::cpu::Frame::new(&es_isler.pose);
         let depths: Vec<f32> = es_isler.left.depth.iter().map(|depth| depth.min(stereotrace::FAR)).collect();
         let swept = stereotrace::testing::cpu::adelson_hodges::sweep(&frame, &depths);
@@ -244,7 +246,7 @@ fn edges_are_traced_and_the_rest_is_trusted() {
                 (row > 0).then(|| at - width),
                 (row + 1 < SIZE.1 as usize).then_some(at + width),
             ];
-            // Two skies are infinitely deep both, and no distance apart.
+            // Two sky pixels are both infinitely deep, and have no distance.
             let apart = |other: usize| match left.depth[other] == left.depth[at] {
                 true => 0.0,
                 false => (parallax(other) - parallax(at)).abs(),
@@ -253,7 +255,7 @@ fn edges_are_traced_and_the_rest_is_trusted() {
                 let differs = |other: usize| left.object[other] != left.object[at] || apart(other) > limit;
                 beside.into_iter().flatten().any(differs)
             };
-            // Nearer to the limit than rounding, either is right.
+            // Within rounding of the limit, either result is correct.
             let bad = pair.source[index] == PixelSource::Bad;
             wrong += usize::from(bad && !edge(1.0 - 1e-4) || !bad && edge(1.0 + 1e-4));
         }

@@ -1,4 +1,4 @@
-//! Stereo pairs by every method.
+//! Tests stereo pairs by every method.
 
 use crate::common;
 mod devices;
@@ -9,7 +9,7 @@ mod scenes;
 use common::render;
 use stereotrace::{Method, StereoPair, scene::builtin::Builtin};
 
-/// Not a multiple of the workgroup either way.
+/// A picture size that is no multiple of the workgroup in either direction.
 pub(crate) const SIZE: (u32, u32) = (190, 107);
 
 pub(crate) fn render_builtin(builtin: Builtin, method: Method) -> StereoPair {

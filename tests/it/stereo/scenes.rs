@@ -1,4 +1,4 @@
-//! Scenes that are odd: empty, without shadows, of many lights, with triangles that no ray can hit.
+//! Tests odd scenes: empty ones, without shadows, with many lights, with triangles that no ray can hit.
 
 use stereotrace::{
     BvhBuild, Light, MISS, Material, Mesh, Method, Options, Scene, StereoCamera, blocking::Wait, glam::Vec3,
@@ -29,7 +29,7 @@ fn an_empty_scene_and_one_without_lights_render() {
 
 #[test]
 fn an_eye_in_the_plane_of_a_wall_is_no_fault() {
-    // Every hit is at depth 0 or none: Lemma 1's bound is no number.
+    // Every hit has depth 0, or there is none, so Lemma 1's bound is NaN.
     let mut scene = Scene::new();
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
     scene.add_mesh(&Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
@@ -55,7 +55,7 @@ fn many_lights_add_up_to_one() {
             renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap();
         assert_eq!(many.statistics.left.rays.shadow, count as u64 * one.statistics.left.rays.shadow);
         for (many, one) in many.left.linear.iter().zip(&one.left.linear) {
-            // Roundings of a sum below 2.
+            // The bound allows for the rounding errors of a sum below 2.
             assert!((0..3).all(|c| (many[c] - one[c]).abs() < 1e-4), "{many:?} {one:?}");
         }
     }
@@ -88,7 +88,7 @@ fn without_shadows_every_light_in_front_of_a_surface_reaches_it() {
     assert!(pairs().all(|(with, without)| (0..3).all(|c| without[c] >= with[c])));
     assert!(pairs().filter(|(with, without)| with != without).count() > 500);
     assert_eq!(with.left.depth, without.left.depth);
-    // A surface that no light is hidden from looks the same: a lone sphere lit from the eye.
+    // A surface without occluders looks the same: a lone sphere lit from the eye.
     let mut lone = Scene::new();
     let grey = lone.add_material(Material::new(Vec3::splat(0.5)));
     lone.add_sphere(stereotrace::Sphere::new(Vec3::ZERO, 1.0, grey)).unwrap();

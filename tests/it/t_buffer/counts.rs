@@ -1,4 +1,4 @@
-//! What a T-buffer counts.
+//! Tests the counters of a T-buffer.
 
 use stereotrace::{
     MaterialId, Mesh, Method, Options, Scene, Sphere, StereoCamera, Visibility, blocking::Wait, glam::Vec3,
@@ -6,7 +6,7 @@ use stereotrace::{
 
 use super::common::{RandomScene, renderer};
 
-/// Straight ahead, so that a pixel spans a tenth of a unit on the screen.
+/// Returns a camera that looks straight ahead, so that a pixel spans a tenth of a unit on the screen.
 fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 0.0, 10.0), Vec3::ZERO)
         .size(60, 40)
@@ -19,15 +19,15 @@ fn counted() -> Options {
     Options::new(Method::Naive).visibility(Visibility::TBuffer).count(true)
 }
 
-/// How many of so many columns or rows have their middle between two places on the screen, a tenth of a unit a pixel,
-/// or within the margin beside.
+/// Returns how many of `count` columns or rows have their middle between two positions on the screen, or within the
+/// margin beside. A pixel is a tenth of a unit wide.
 fn middles(count: u32, [low, high]: [f64; 2]) -> u64 {
     let all = (0..count).map(|pixel| 0.1 * (f64::from(pixel) + 0.5 - 0.5 * f64::from(count)));
     all.filter(|at| *at > low - 0.005 && *at < high + 0.005).count() as u64
 }
 
-/// A sphere is tested by the rays of the rectangle around its projection, whose sides are the slopes of its tangents;
-/// twice.
+/// A sphere is tested by the rays of the rectangle around its projection, whose sides are the slopes of its tangents.
+/// Each ray tests it twice.
 #[test]
 fn a_sphere_is_tested_by_the_rays_of_its_bounds() {
     let mut scene = Scene::new();
@@ -49,7 +49,7 @@ fn a_sphere_is_tested_by_the_rays_of_its_bounds() {
     assert_eq!((left.nodes, left.rays.primary), (1, 0));
 }
 
-/// However threads run, counts are the same; a map of costs holds all tests.
+/// Counters do not depend on the order of threads. The cost map contains all tests.
 #[test]
 fn counts_repeat_and_are_those_of_the_map_of_costs() {
     let scene = RandomScene { triangles: 200, spheres: 20, ellipsoids: 10, ..RandomScene::default() }.build();
@@ -62,7 +62,7 @@ fn counts_repeat_and_are_those_of_the_map_of_costs() {
         let costs: u64 = view.cost.iter().map(|&cost| u64::from(cost)).sum();
         assert_eq!(costs, work.primitive_tests);
         assert_eq!((work.rays.primary, work.rays.shadow), (0, 0));
-        // Of those there twice one is left out of the tree.
+        // One of two equal primitives is left out of the tree.
         assert!(work.nodes > 100 && work.nodes <= scene.primitive_count() as u64, "{work:?}");
     }
     for _ in 0..3 {
@@ -78,13 +78,13 @@ fn counts_repeat_and_are_those_of_the_map_of_costs() {
     }
 }
 
-/// What lies behind the eye or beside the picture is projected, and tested by no ray; nor is what is smaller than the
-/// distance of pixels' centres and lies between them.
+/// Primitives behind the eye or beside the picture are projected, but no ray tests them. The same holds for primitives
+/// that lie between pixels' centres and are smaller than their distance.
 #[test]
 fn what_covers_no_centre_is_tested_by_no_ray() {
     let mut scene = Scene::new();
     for index in 0..50 {
-        // A twentieth of a pixel large, about a corner of four pixels.
+        // The triangle has the size of a twentieth of a pixel and lies at a corner of four pixels.
         let at = Vec3::new(0.1 * (index % 10) as f32, 0.1 * (index / 10) as f32, 0.0);
         let corners = [Vec3::X, Vec3::Y, Vec3::NEG_ONE].map(|corner| at + 0.0025 * corner * Vec3::new(1.0, 1.0, 0.0));
         scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2]])).unwrap();

@@ -1,4 +1,4 @@
-//! Every kind of frame.
+//! Tests T-buffers with every kind of frame.
 
 use stereotrace::{
     Adaptive, AmbientOcclusion, Error, Finish, GBuffer, Light, Material, MaterialId, Method, Options, Plane, Rig,
@@ -20,7 +20,7 @@ fn camera() -> StereoCamera {
         .interaxial_pixels(5.0)
 }
 
-/// Leaves, spheres and a floor, planes on which they stand and that mirror them, glass, and lights of two kinds.
+/// Returns leaves, spheres and a floor, on planes that mirror them, with glass, and lights of two kinds.
 fn everything() -> Scene {
     let mut scene = random_foliage(8, true);
     let board = scene.add_texture(Texture::checkerboard(Vec3::ONE, Vec3::splat(0.2), 2).unwrap());
@@ -51,7 +51,7 @@ fn soft_light_mirrors_planes_and_cut_outs_together_are_those_of_rays() {
     pair("under a sky", &mut renderer, &uploaded, &camera(), &options);
 }
 
-/// However rays are traced: four a lane or one, by both kinds of boxes, from textures and from buffers.
+/// Tests every traversal: four rays per lane or one, both kinds of boxes, textures and buffers.
 #[test]
 fn every_traversal_draws_the_hits_of_rays() {
     for traversal in traversals() {
@@ -81,7 +81,7 @@ fn samples_with_and_without_jitter_are_those_of_rays() {
     }
 }
 
-/// Of adaptive samples all but the first level keep to rays.
+/// With adaptive samples, all levels but the first use rays.
 #[test]
 fn adaptive_frames_are_those_of_rays() {
     let mut renderer = renderer();
@@ -103,7 +103,7 @@ fn rigs_are_those_of_rays() {
     }
 }
 
-/// Bands of 64 rows, with rows beside them that `atomic-edges` looks at, and their counts, which don't depend on them.
+/// Tests bands of 64 rows, with the rows beside them that `atomic-edges` reads. The counters don't depend on the bands.
 #[test]
 fn bands_are_those_of_rays() {
     let mut renderer = renderer();
@@ -125,13 +125,13 @@ fn a_scene_that_moves_is_that_of_rays_after_each_change() {
         renderer.update(&mut uploaded, &scene, how).wait().unwrap();
         pair(&format!("turned by {turn}"), &mut renderer, &uploaded, &camera(), &Options::new(Method::Naive));
     }
-    // One more primitive: the list of another scene is too short.
+    // With one more primitive, the list of the other scene is too short.
     scene.add_sphere(Sphere::new(Vec3::new(0.1, 0.3, 2.0), 0.3, MaterialId(0))).unwrap();
     renderer.update(&mut uploaded, &scene, Update::Rebuild(Default::default())).wait().unwrap();
     pair("with a sphere more", &mut renderer, &uploaded, &camera(), &Options::new(Method::Naive));
 }
 
-/// Nothing to draw: no scene at all, or planes, which rays ask.
+/// Tests scenes with nothing to draw: empty scenes, or planes, which are tested by rays.
 #[test]
 fn scenes_without_a_tree_are_those_of_rays() {
     let mut renderer = renderer();

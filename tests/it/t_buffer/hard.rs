@@ -1,4 +1,4 @@
-//! What is hard to draw: what reaches the plane of the eyes or lies beside the picture, what is huge, and what is many.
+//! Tests primitives that are hard to draw: across the plane of the eyes, beside the picture, huge, or very many.
 
 use stereotrace::{
     Ellipsoid, MISS, MaterialId, Mesh, Method, Options, Scene, Sphere, StereoCamera,
@@ -15,7 +15,7 @@ fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 0.4, 3.0), Vec3::ZERO).size(64, 49).screen_distance(3.0).interaxial_pixels(4.0)
 }
 
-/// The share of both views' pixels that show something.
+/// Checks a pair, and returns the share of both views' pixels that show a surface.
 fn check(what: &str, scene: &Scene, camera: &StereoCamera) -> f64 {
     let mut renderer = renderer();
     let uploaded = renderer.upload(scene).wait().unwrap();
@@ -32,7 +32,7 @@ fn quad(half_side: f32, height: f32, tilt: f32) -> Mesh {
     )
 }
 
-/// Triangles, spheres and ellipsoids around the eyes, from many places and in many directions.
+/// Tests triangles, spheres and ellipsoids around the eyes, from many positions and in many directions.
 #[test]
 fn what_stands_around_the_eyes_is_that_of_rays() {
     let mut random = Random::new(11);
@@ -49,7 +49,7 @@ fn what_stands_around_the_eyes_is_that_of_rays() {
     }
 }
 
-/// Balls that reach nearly, just or far behind the plane of the eyes, beside the eye and around it.
+/// Tests balls that reach almost to, just behind or far behind the plane of the eyes, beside the eye and around it.
 #[test]
 fn balls_at_the_plane_of_the_eyes_are_those_of_rays_and_so_they_are_by_bracket() {
     let forward = Vec3::new(0.0, -0.4, -3.0).normalize();
@@ -90,7 +90,7 @@ fn from_inside_a_sphere_everything_is_that_of_rays() {
     assert_eq!(check("inside an ellipsoid", &scene, &camera()), 1.0);
 }
 
-/// From above it, from in it and from below; level and tilted.
+/// Tests a ground from above, from within and from below, level and tilted.
 #[test]
 fn a_ground_a_thousand_times_its_object_is_that_of_rays() {
     for (tilt, height) in [(0.0, -0.5), (0.3, -0.5), (0.0, 0.4), (0.01, 0.39999), (0.0, 0.7)] {
@@ -102,7 +102,7 @@ fn a_ground_a_thousand_times_its_object_is_that_of_rays() {
     }
 }
 
-/// Many triangles that each cover all of the picture.
+/// Tests many triangles that each cover the whole picture.
 #[test]
 fn layers_of_grounds_are_those_of_rays() {
     let mut scene = Scene::new();
@@ -112,8 +112,8 @@ fn layers_of_grounds_are_those_of_rays() {
     check("60 grounds", &scene, &camera().size(300, 200));
 }
 
-/// A ball of many triangles, as large as a few pixels: most cover no pixel's centre, and those that do are many a
-/// pixel.
+/// Tests a ball of many triangles, as large as a few pixels. Most triangles cover no pixel's centre, and each pixel's
+/// centre is covered by many.
 #[test]
 fn a_hundred_thousand_triangles_in_ten_pixels_are_those_of_rays() {
     let mut scene = Scene::new();
@@ -130,8 +130,8 @@ fn a_hundred_thousand_triangles_in_ten_pixels_are_those_of_rays() {
     }
 }
 
-/// Needles from corner to corner, whose bounds are all the picture: together more parts than there is room for. (A wall
-/// before most of them keeps rays short.)
+/// Tests needles from corner to corner, whose bounds are the whole picture. Together they have more parts than there is
+/// room for. A wall before most of them keeps rays short.
 #[test]
 fn needles_across_the_picture_are_those_of_rays() {
     let mut random = Random::new(8);
@@ -150,8 +150,8 @@ fn needles_across_the_picture_are_those_of_rays() {
     assert!(share > 0.5, "{share}");
 }
 
-/// Copies of a triangle under other corners first: the same t, and ids that stand in the tree in any order. The
-/// smallest is seen.
+/// Tests triangles whose copies, with the corners in another order, come first. They have equal t, and their ids are in
+/// any order in the tree. The smallest id is visible.
 #[test]
 fn of_equal_t_the_smaller_id_is_seen() {
     let mut random = Random::new(21);
@@ -178,7 +178,7 @@ fn of_equal_t_the_smaller_id_is_seen() {
     assert!(seen.len() > 500 && seen.iter().all(|&id| id < 60), "{}", seen.len());
 }
 
-/// Everything beside the picture, before it, behind the eyes: nothing is seen.
+/// Everything is beside the picture, before it or behind the eyes, so nothing is visible.
 #[test]
 fn what_lies_beside_the_picture_leaves_nothing() {
     let mut scene = Scene::new();
@@ -189,7 +189,7 @@ fn what_lies_beside_the_picture_leaves_nothing() {
     assert_eq!(check("beside", &scene, &camera()), 0.0);
 }
 
-/// One row, one column, one pixel, and sizes that are no multiple of anything.
+/// Tests pictures of one row, one column and one pixel, and sizes that are multiples of nothing.
 #[test]
 fn odd_sizes_are_those_of_rays() {
     let mut scene =

@@ -1,5 +1,5 @@
-//! First hits by a T-buffer: those of rays, to the bit on software Vulkan, whatever the scene, the method and the
-//! frame.
+//! Tests closest hits by a T-buffer: they equal the hits of rays, bit for bit on software Vulkan, for any scene, method
+//! and frame.
 
 use crate::common;
 mod counts;
@@ -12,8 +12,8 @@ use stereotrace::{
     Method, Options, Renderer, Rig, StereoCamera, UploadedScene, View, Views, Visibility, blocking::Wait,
 };
 
-/// Pixels of two views that differ in their colours, depths or ids; elsewhere than on exact adapters in their ids
-/// alone, and few may.
+/// Checks that two views have the same colours, depths and ids. On adapters that are not exact, only ids are compared,
+/// and few may differ.
 fn assert_alike(what: &str, drawn: &View, traced: &View, exact: bool) {
     let others = drawn.primitive.iter().zip(&traced.primitive).filter(|(a, b)| a != b).count();
     if !exact {
@@ -27,7 +27,8 @@ fn assert_alike(what: &str, drawn: &View, traced: &View, exact: bool) {
     assert_eq!((drawn.width, drawn.height), (traced.width, traced.height), "{what}");
 }
 
-/// Views of a rig with hits of both kinds: those of a T-buffer, once they are found to be those of rays.
+/// Renders views of a rig with closest hits of both kinds, and checks that they are alike. Returns the views by
+/// T-buffer.
 fn both(
     what: &str,
     renderer: &mut Renderer,
@@ -57,7 +58,7 @@ fn both(
     drawn
 }
 
-/// The same of a pair by a method.
+/// Does the same for a pair by a method.
 fn pair(what: &str, renderer: &mut Renderer, scene: &UploadedScene, camera: &StereoCamera, options: &Options) -> Views {
     let traced: &[usize] = if options.method == Method::Naive { &[0, 1] } else { &[0] };
     let what = format!("{what} by {}", options.method);

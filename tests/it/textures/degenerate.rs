@@ -1,4 +1,4 @@
-//! Texture coordinates and textures at the ends of what there may be.
+//! Tests extreme texture coordinates and textures.
 
 use stereotrace::{
     Mesh, Texture, Wrap,
@@ -7,14 +7,14 @@ use stereotrace::{
 
 use super::{before, left, noise, square, textured};
 
-/// Finite, and where something is hit between the texture's extremes.
+/// Checks that colours are finite, and within the texture's range where something is hit.
 fn assert_sound(mesh: Mesh, texture: Texture, what: &str) {
     let found = left(&textured(mesh, texture), &before(64));
     let outside = found.iter().filter(|color| !(color.min_element() >= 0.0 && color.max_element() <= 1.0)).count();
     assert_eq!(outside, 0, "{what}: {:?}", found.iter().find(|color| !color.is_finite()));
 }
 
-/// Textures whose colours are all from 0.2 to 0.8 once they are decoded, so that what is beyond them shows.
+/// Returns textures whose decoded colours are all from 0.2 to 0.8, so that values beyond them show.
 fn textures() -> Vec<(String, Texture)> {
     let mut textures = Vec::new();
     for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
@@ -42,7 +42,7 @@ fn colours_are_some_whatever_the_texture_and_its_coordinates() {
 
 #[test]
 fn tiny_and_thin_triangles_have_colours_of_their_texture() {
-    // Where weights of corners are all rounding, colours are still those between the corners'.
+    // If the corner weights are rounding errors alone, colours are still between the corners' colours.
     for (size, eye) in [(1e-6, 4.0), (1e-3, 4.0), (1e-6, 1e-3)] {
         for (width, height) in [(1.0, 1.0), (1.0, 1e-3)] {
             let mut mesh = Mesh::new(Vec::new(), Vec::new());

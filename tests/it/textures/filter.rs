@@ -1,4 +1,4 @@
-//! What is farther off than a texture's detail is averaged: against the mean of 64 rays a pixel.
+//! Tests that texture detail smaller than a pixel is averaged, against the mean of 64 rays per pixel.
 
 use stereotrace::{
     Mesh, Method, Pose, Scene, StereoCamera, Texture,
@@ -9,10 +9,10 @@ use super::{colors, noise, render, textured};
 
 const WIDTH: u32 = 160;
 const HEIGHT: u32 = 100;
-/// Rays a pixel across and down that pixels are judged by.
+/// Number of rays per pixel across and down for the reference.
 const FINE: u32 = 8;
 
-/// A ground under the eyes to far beyond where a pixel holds one of its pixels, or squares.
+/// Returns a ground from below the eyes to far beyond the distance at which a pixel covers a texture pixel or a square.
 fn ground(texture: Texture, repeats: f32) -> Scene {
     let corners = [(-30.0, 10.0), (30.0, 10.0), (30.0, -50.0), (-30.0, -50.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
     let uv = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].map(|uv| uv * repeats);
@@ -20,7 +20,7 @@ fn ground(texture: Texture, repeats: f32) -> Scene {
     textured(mesh.uv(vec![[uv[0], uv[1], uv[2]], [uv[0], uv[2], uv[3]]]), texture)
 }
 
-/// Slanting from 60 degrees at the picture's bottom to 5 at its top.
+/// Returns a camera whose angle to the ground is 60 degrees at the picture's bottom and 5 at its top.
 fn camera(finer: u32) -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.3, 3.0, 6.0), Vec3::new(0.0, 0.0, 1.0))
         .screen_distance(6.0)
@@ -29,7 +29,7 @@ fn camera(finer: u32) -> StereoCamera {
         .interaxial_pixels(8.0 * finer as f32)
 }
 
-/// A view of every pixel's mean, and of the ray nearest to its centre alone.
+/// Returns the view of every pixel's mean, and the view of the ray nearest to its centre.
 fn mean_and_one(fine: &[DVec3]) -> (Vec<DVec3>, Vec<DVec3>) {
     let at = |x: u32, y: u32| fine[(y * WIDTH * FINE + x) as usize];
     let pixel = |index: u32| {
@@ -44,7 +44,7 @@ fn rms(a: &[DVec3], b: &[DVec3]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)).sum::<f64>() / (3 * a.len()) as f64).sqrt()
 }
 
-/// The largest difference of means over regions of 20x20 pixels.
+/// Returns the largest difference of means over regions of 20x20 pixels.
 fn bias(a: &[DVec3], b: &[DVec3]) -> f64 {
     const SIDE: u32 = 20;
     let mut worst = 0.0_f64;
@@ -57,7 +57,7 @@ fn bias(a: &[DVec3], b: &[DVec3]) -> f64 {
     worst
 }
 
-/// The difference of what both eyes see at one point of the ground, where both see it.
+/// Returns the difference between both eyes' colours at the same points of the ground, where both eyes see them.
 fn shimmer(depth: &[f32], left: &[DVec3], right: &[DVec3], pose: &Pose) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for (index, depth) in depth.iter().enumerate() {
@@ -72,7 +72,7 @@ fn shimmer(depth: &[f32], left: &[DVec3], right: &[DVec3], pose: &Pose) -> f64 {
 }
 
 struct Judged {
-    /// Root mean squares of the distance from the mean of 64 rays.
+    /// Root mean square difference from the mean of 64 rays. The same without a filter is `unfiltered`.
     filtered: f64,
     unfiltered: f64,
     bias: f64,
@@ -111,15 +111,15 @@ struct Case {
     name: &'static str,
     texture: Texture,
     repeats: f32,
-    /// Of the unfiltered error, the share that is left at most.
+    /// Maximum share of the unfiltered error that the filter leaves.
     left: f64,
 }
 
 fn cases() -> Vec<Case> {
     let of = |name, texture, repeats, left| Case { name, texture, repeats, left };
     let board = Texture::checkerboard(Vec3::splat(0.9), Vec3::splat(0.1), 64).unwrap();
-    // Measured 0.31, 0.18, 0.64, 0.38, 0.63. Of the first picture most is nearer than its detail, and a wide one's
-    // pixels are eight times as wide as high.
+    // Measured 0.31, 0.18, 0.64, 0.38, 0.63. Most of the first picture is nearer than its detail. The pixels of a wide
+    // picture are eight times as wide as high.
     vec![
         of("board", board.clone(), 4.0, 0.35),
         of("fine board", board, 16.0, 0.21),
@@ -135,10 +135,10 @@ fn textures_far_and_at_a_slant_are_averaged_without_bias_and_flicker() {
         let judged = judge(texture, repeats);
         print(name, &judged);
         assert!(judged.filtered < left * judged.unfiltered, "{name}");
-        // Measured 0.018 where a picture's pixels are larger than the picture's, which a blur takes over the region's
-        // edge; else 0.0066.
+        // Measured 0.018 where the texture's pixels are larger than the view's pixels, which a blur spreads across the
+        // region's edge. Elsewhere it is 0.0066.
         assert!(judged.bias < 0.02, "{name}");
-        // Measured 0.77 and 1.51 at most. Means differ too: each eye's pixels lie elsewhere.
+        // Measured 0.77 and 1.51 at most. The means differ too, since each eye's pixels lie elsewhere.
         assert!(judged.shimmer < 0.8 * judged.shimmer_unfiltered, "{name}");
         assert!(judged.shimmer < 1.6 * judged.shimmer_of_means, "{name}");
     }

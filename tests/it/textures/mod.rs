@@ -1,4 +1,4 @@
-//! Textures, vertex colours, highlights and emission as the adapter shows them, against formulas in double precision.
+//! Tests textures, vertex colours, highlights and emission on the adapter against formulas in double precision.
 
 use crate::common;
 mod degenerate;
@@ -16,14 +16,15 @@ use stereotrace::{
     glam::{DVec2, DVec3, Vec2, Vec3},
 };
 
-/// A square of two units across the z axis, whose texture coordinates go from `low` in its lower left corner to `high`.
+/// Returns a square of two units across the z axis. Its texture coordinates go from `low` in the lower left corner to
+/// `high`.
 fn square(low: Vec2, high: Vec2) -> Mesh {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
     let uv = [low, Vec2::new(high.x, low.y), high, Vec2::new(low.x, high.y)];
     Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).uv(vec![[uv[0], uv[1], uv[2]], [uv[0], uv[2], uv[3]]])
 }
 
-/// A camera on the z axis whose picture is the square to its edges.
+/// Returns a camera on the z axis whose picture is exactly the square.
 fn before(size: u32) -> StereoCamera {
     StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO)
         .screen_distance(4.0)
@@ -32,7 +33,7 @@ fn before(size: u32) -> StereoCamera {
         .interaxial(0.0)
 }
 
-/// A scene of one mesh, white but for its texture.
+/// Returns a scene of one mesh, white except for its texture.
 fn textured(mesh: Mesh, texture: Texture) -> Scene {
     let mut scene = Scene::new();
     let texture = scene.add_texture(texture);
@@ -48,7 +49,7 @@ fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
     renderer.pair(&uploaded, camera).options(&Options::new(method).linear(true)).read().wait().unwrap()
 }
 
-/// Linear colours of the left view.
+/// Returns the linear colours of the left view.
 fn left(scene: &Scene, camera: &StereoCamera) -> Vec<DVec3> {
     colors(&render(scene, camera, Method::Naive).left.linear)
 }
@@ -57,18 +58,18 @@ fn colors(linear: &[[f32; 4]]) -> Vec<DVec3> {
     linear.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b).as_dvec3()).collect()
 }
 
-/// sRGB's own formula (IEC 61966-2-1).
+/// Decodes a byte by sRGB's formula (IEC 61966-2-1).
 fn decoded(byte: u8) -> f64 {
     let encoded = f64::from(byte) / 255.0;
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// What a texture shows without a filter but that between the pixels of a picture.
+/// Returns a texture's colour with no filter but the interpolation between its pixels.
 fn sampled(texture: &Texture, uv: DVec2) -> DVec3 {
     sampled_as(texture, [texture.wrap; 2], uv)
 }
 
-/// The same, wrapped otherwise along u and along v.
+/// Does the same with separate wrap modes along u and along v.
 fn sampled_as(texture: &Texture, [along_u, along_v]: [Wrap; 2], uv: DVec2) -> DVec3 {
     let wrapped = |wrap: Wrap, at: i64, size: i64| match wrap {
         Wrap::Repeat => at.rem_euclid(size),
@@ -82,7 +83,7 @@ fn sampled_as(texture: &Texture, [along_u, along_v]: [Wrap; 2], uv: DVec2) -> DV
     match texture.kind() {
         TextureKind::Image { size, pixels } => {
             let [width, height] = size.map(i64::from);
-            // A tent over each pixel's centre.
+            // The weight of each pixel is a tent around its centre.
             let place = DVec2::new(uv.x * width as f64 - 0.5, (1.0 - uv.y) * height as f64 - 0.5);
             let (x, y) = (place.x.floor() as i64, place.y.floor() as i64);
             let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
@@ -103,13 +104,13 @@ fn sampled_as(texture: &Texture, [along_u, along_v]: [Wrap; 2], uv: DVec2) -> DV
     }
 }
 
-/// Red, green above; blue, yellow below.
+/// Returns a texture with red and green above, blue and yellow below.
 fn four_colors() -> Texture {
     let pixels = vec![[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 0, 255]];
     Texture::image(2, 2, pixels).unwrap()
 }
 
-/// A picture of random bytes.
+/// Returns a picture of random bytes.
 fn noise(width: u32, height: u32, seed: u32) -> Texture {
     let mut random = common::random::Random::new(seed);
     let mut byte = || (random.unit() * 256.0) as u8;

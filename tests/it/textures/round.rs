@@ -1,4 +1,4 @@
-//! Textures round spheres and ellipsoids.
+//! Tests textures on spheres and ellipsoids.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,13 +10,13 @@ use stereotrace::{
 
 use super::{noise, sampled_as};
 
-/// Seen from outside, a picture's middle is at +z, its right at +x and its top at +y.
+/// Returns texture coordinates. Seen from outside, a picture's middle is at +z, its right at +x and its top at +y.
 fn uv_of(outward: DVec3) -> DVec2 {
     DVec2::new(0.5 + outward.x.atan2(outward.z) / TAU, 0.5 + outward.y.clamp(-1.0, 1.0).asin() / PI)
 }
 
-/// Where each ray of the left view meets the unit sphere under a map, as a point of the unit sphere; none for rays that
-/// miss or graze it.
+/// Returns where each ray of the left view meets the mapped unit sphere, as a point of the unit sphere. Returns `None`
+/// for rays that miss or graze it.
 fn points(camera: &StereoCamera, axes: DMat3) -> Vec<Option<DVec3>> {
     let frame = Frame::new(&camera.pose().unwrap());
     let [width, height] = frame.size();
@@ -42,7 +42,7 @@ fn material(scene: &mut Scene, texture: &Texture) -> stereotrace::MaterialId {
     scene.add_material(Material::new(Vec3::ONE).texture(texture))
 }
 
-/// The worst error, but for pixels from which half a pixel's turn decides.
+/// Returns the largest error, except at pixels in which half a pixel decides the colour.
 fn worst(scene: &Scene, camera: &StereoCamera, axes: DMat3, texture: &Texture) -> f64 {
     let found = super::left(scene, camera);
     let points = points(camera, axes);
@@ -50,7 +50,7 @@ fn worst(scene: &Scene, camera: &StereoCamera, axes: DMat3, texture: &Texture) -
     assert!(seen > found.len() / 20, "{seen}");
     let expected = |index: usize| {
         let outward = points[index]?.normalize();
-        // Closed around, and the poles are ends.
+        // The texture is closed around the sphere, and ends at the poles.
         let far = outward.x.hypot(outward.z) > 0.1;
         far.then(|| sampled_as(texture, [Wrap::Repeat, Wrap::Clamp], uv_of(outward)))
     };
@@ -90,8 +90,8 @@ fn an_ellipsoid_s_picture_goes_with_its_axes() {
     }
 }
 
-/// A fine picture far off, of colours between 0.2 and 0.5 on one channel, none on another: nothing else may be seen, at
-/// the seam and the poles neither.
+/// Tests a fine picture in the distance, with colours between 0.2 and 0.5 in one channel and 0 in another. Other
+/// colours must not appear, not even at the seam and the poles.
 #[test]
 fn seams_and_poles_show_nothing_but_the_texture() {
     let pixels: Vec<[u8; 4]> =

@@ -1,4 +1,4 @@
-//! Where a texture's colours lie, and what is beyond its edges.
+//! Tests the position of a texture's colours, and the colours beyond its edges.
 
 use stereotrace::{
     Texture, Wrap,
@@ -10,7 +10,7 @@ use super::{before, four_colors, left, noise, sampled, square, textured, worst};
 const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
 const SIZE: u32 = 96;
 
-/// Texture coordinates at a pixel of the square's picture.
+/// Returns the texture coordinates at a pixel of the square's picture.
 fn uv_at(index: usize, low: f64, high: f64) -> DVec2 {
     let size = SIZE as usize;
     let share = DVec2::new((index % size) as f64 + 0.5, (size - 1 - index / size) as f64 + 0.5) / size as f64;
@@ -24,7 +24,7 @@ fn the_first_row_of_a_picture_is_at_the_top_and_its_first_column_on_the_left() {
     let (low, high) = (SIZE / 4, 3 * SIZE / 4);
     let corners = [at(low, low), at(high, low), at(low, high), at(high, high)];
     for (found, expected) in corners.into_iter().zip([DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0)]) {
-        // A pixel's centre is a half pixel beside the quadrant's.
+        // A pixel's centre is half a pixel beside the quadrant's centre.
         assert!((found - expected).abs().max_element() < 0.05, "{found} is not {expected}");
     }
 }
@@ -38,7 +38,7 @@ fn pictures_are_as_by_formula_within_and_beyond_their_edges() {
             let found = left(&textured(square(Vec2::NEG_ONE, Vec2::splat(3.0)), texture.clone()), &before(SIZE));
             let error = worst(&found, |index| Some(sampled(&texture, uv_at(index, -1.0, 3.0))));
             errors.push(error);
-            // Measured 2.7e-4. A half has 11 bits, so that pixels are off by up to 2.4e-4.
+            // Measured 2.7e-4. A half float has 11 bits, so that pixels are off by up to 2.4e-4.
             assert!(error < 4e-4, "{width}x{height} {wrap:?}: {error}");
         }
     }
@@ -48,7 +48,7 @@ fn pictures_are_as_by_formula_within_and_beyond_their_edges() {
 #[test]
 fn squares_are_where_they_are_said_to_be_within_and_beyond_the_edges() {
     let [first, second] = [Vec3::new(0.9, 0.1, 0.2), Vec3::new(0.1, 0.6, 0.8)];
-    // Far away in texture coordinates too, where f32 has few digits left.
+    // The squares also hold far away in texture coordinates, where f32 has few digits left.
     for (squares, low, high) in
         [(1, -1.0, 3.0), (2, -1.0, 3.0), (3, -1.0, 3.0), (4, -1.0, 3.0), (5, -2.0, 2.0), (8, 1000.0, 1000.25)]
     {
@@ -56,7 +56,7 @@ fn squares_are_where_they_are_said_to_be_within_and_beyond_the_edges() {
             let texture = Texture::checkerboard(first, second, squares).unwrap().wrap(wrap);
             let found = left(&textured(square(Vec2::splat(low), Vec2::splat(high)), texture.clone()), &before(SIZE));
             let [low, high] = [low, high].map(f64::from);
-            // Pixels that a square's edge goes through have a share of both.
+            // Pixels on a square's edge have a share of both colours.
             let half_pixel = 0.51 * (high - low) / f64::from(SIZE);
             let plain = |uv: DVec2| {
                 let at = |x: f64, y: f64| sampled(&texture, uv + half_pixel * DVec2::new(x, y));
@@ -71,7 +71,7 @@ fn squares_are_where_they_are_said_to_be_within_and_beyond_the_edges() {
     }
 }
 
-/// A pixel's colour is the mean over its square, however many of the board's it holds.
+/// A pixel's colour is the mean over its area, for any number of squares in it.
 #[test]
 fn a_board_s_squares_are_averaged_exactly() {
     let texture = Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 7).unwrap();
@@ -87,7 +87,8 @@ fn a_board_s_squares_are_averaged_exactly() {
                 let all = (0..STEPS).flat_map(|x| (0..STEPS).map(move |y| DVec2::new(step(x), step(y))));
                 all.map(|offset| sampled(&texture, uv + offset)).sum::<DVec3>() / f64::from(STEPS * STEPS)
             };
-            // Every seventh pixel, for time's sake. Steps of a 64th of a pixel are what the mean is off by.
+            // Every seventh pixel is tested, to save time. The reference mean has steps of a 64th of a pixel, which is
+            // its error.
             let error = worst(&found, |index| (index % 7 == 0).then(|| mean(uv_at(index, low, high))));
             assert!(error < 0.04, "{low} to {high}, {wrap:?}: {error}");
         }

@@ -1,4 +1,4 @@
-//! Colours of vertices, highlights and emission, in closed form.
+//! Tests vertex colours, highlights and emission against closed forms.
 
 use stereotrace::{
     Light, Material, Mesh, Scene, Sphere, StereoCamera,
@@ -10,7 +10,7 @@ use super::{before, left, square, worst};
 
 const SIZE: u32 = 96;
 
-/// Where the left view's rays meet a plane of this height over the square, or none.
+/// Returns the eye, and where the left view's rays meet a plane of this height over the square.
 fn rays(camera: &StereoCamera) -> (DVec3, Vec<DVec3>) {
     let frame = Frame::new(&camera.pose().unwrap());
     let [width, height] = frame.size();
@@ -20,7 +20,7 @@ fn rays(camera: &StereoCamera) -> (DVec3, Vec<DVec3>) {
 
 #[test]
 fn colours_of_vertices_are_linear_between_the_corners() {
-    // Steps of the packed colours are a 1023rd, a 4095th and a 1023rd: half of one is what a corner may be off by.
+    // Packed colours have steps of 1/1023, 1/4095 and 1/1023. A corner may be off by half a step.
     let corners = [Vec3::new(0.123, 0.456, 0.789), Vec3::new(1.0, 0.0, 0.3331), Vec3::new(0.0501, 0.9, 0.6004)];
     let positions = vec![Vec3::new(-1.2, -1.5, 0.0), Vec3::new(2.0, -1.0, 0.0), Vec3::new(-0.8, 2.5, 0.0)];
     let [a, b, c] = [0, 1, 2].map(|corner: usize| positions[corner].as_dvec3());
@@ -51,7 +51,7 @@ struct Lit {
 }
 
 impl Lit {
-    /// Phong's formula, and Lambert's, of a light of intensity 1.
+    /// Returns Phong's and Lambert's formulas for a light of intensity 1.
     fn color(&self, point: DVec3, normal: DVec3, albedo: f64) -> DVec3 {
         let [to_light, to_eye] = [self.light, self.eye].map(|end| (end - point).normalize());
         let cosine = normal.dot(to_light);
@@ -89,7 +89,7 @@ fn highlights_are_phong_s_on_planes_and_spheres() {
             plane.add_mesh(&mesh).unwrap();
             let on_plane = |index: usize| {
                 let point = eye - directions[index] * (eye.z / directions[index].z);
-                // A light behind the square is behind its front.
+                // A light behind the square does not light its front.
                 Some(lit.color(point, DVec3::Z, 0.25))
             };
             let (mut round, material) = scene_of(exponent, specular, light);
@@ -100,7 +100,7 @@ fn highlights_are_phong_s_on_planes_and_spheres() {
                 let root = (along * along - eye.length_squared() + 0.81).sqrt();
                 let point = eye + direction * (along - root);
                 let normal = point.normalize();
-                // Within rounding of the light's horizon its highlight begins at once.
+                // Within rounding of the light's horizon, a highlight begins abruptly.
                 let beside = normal.dot(lit.light - point).abs() > 1e-3;
                 (root > 0.1 && beside).then(|| lit.color(point, normal, 0.25))
             };
@@ -108,7 +108,7 @@ fn highlights_are_phong_s_on_planes_and_spheres() {
                 [("plane", &plane, &on_plane as &dyn Fn(usize) -> Option<DVec3>), ("sphere", &round, &on_sphere)]
             {
                 let error = worst(&left(scene, &camera), expected);
-                // Of an exponent of 10000 f32 leaves 3 digits: a cosine is off by 6e-8, its logarithm by as much.
+                // With an exponent of 10000, f32 leaves 3 digits. A cosine is off by 6e-8, and so is its logarithm.
                 println!("{name}, exponent {exponent}, light {light}: {error:.2e}");
                 let bound = if exponent > 100.0 { 2e-3 } else { 2e-5 };
                 assert!(error < bound, "{name}, exponent {exponent}, light {light}: {error}");
@@ -135,6 +135,6 @@ fn emission_adds_to_whatever_light_there_is() {
         let error = worst(&shown(emission, lights, ambient), |index| Some(without[index] + emission.as_dvec3()));
         assert!(error < 1e-6, "{lights} lights: {error}");
     }
-    // What is more than white stays so: pictures clamp it, not light.
+    // Values above white are kept, since pictures are clamped but light is not.
     assert!(shown(Vec3::splat(5.0), 1, 0.1).iter().all(|color| color.cmpge(DVec3::splat(5.0)).all()));
 }

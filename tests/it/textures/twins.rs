@@ -1,4 +1,4 @@
-//! The same picture by every way to trace it, and by `bracket-rays`.
+//! Tests that every traversal and `bracket-rays` give the same picture.
 
 use stereotrace::{
     Boxes, Ellipsoid, Fetch, Light, Material, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera, Texture,
@@ -10,7 +10,7 @@ use stereotrace::{
 use super::{common, noise, square};
 use common::{ball, is_exact, renderer_by};
 
-/// Pictures, a board, colours of vertices, highlights and emission on triangles, smooth ones too, spheres and
+/// Returns pictures, a checkerboard, vertex colours, highlights and emission on flat and smooth triangles, spheres and
 /// ellipsoids.
 pub(crate) fn everything() -> Scene {
     let mut scene = Scene::new();
@@ -61,7 +61,7 @@ fn textured_scenes_look_alike_by_every_traversal_and_by_bracket() {
         .interaxial_pixels(7.0);
     for (name, scene) in [("spheres", everything()), ("ellipsoids", with_ellipsoids(everything()))] {
         let mut first = None;
-        // Boxes change no hit: one kind of each pair is enough.
+        // Boxes don't change hits, so one kind for each pair is enough.
         let apart = Traversal::ALL.iter().filter(|with| (with.boxes == Boxes::F32) == (with.fetch == Fetch::Texture));
         for &traversal in apart {
             let mut renderer = renderer_by(traversal);

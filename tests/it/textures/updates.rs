@@ -1,4 +1,4 @@
-//! A textured scene that changes looks as uploaded anew.
+//! Tests that a changed textured scene looks like the same scene uploaded anew.
 
 use stereotrace::{
     BvhBuild, Material, MaterialId, Mesh, Method, Options, Scene, StereoCamera, Texture, TextureId, Update,

@@ -1,4 +1,4 @@
-//! What views have of the truth.
+//! Compares views with the truth.
 
 use stereotrace::{
     Method, Options, Renderer, Scene, StereoCamera, View,
@@ -9,14 +9,15 @@ use stereotrace::{
 
 use super::{Seen, Truth};
 
-/// What a view has of the truth: pixels in which another primitive is seen, and of the others the largest error of a
-/// depth, relative to it and to the slope at which the ray meets the surface, and of a linear colour.
+/// Errors of a view: the number of pixels that show another primitive, and the largest errors of the other pixels.
+/// Errors of depths are relative to the depth, without and with the slope at which the ray meets the surface.
 #[derive(Debug, Default)]
 pub(crate) struct Judged {
     pub others: usize,
     pub depth: f64,
     pub depth_by_slope: f64,
-    /// Of pixels that a step of a fiftieth of a pixel takes into no other light, where the slope is not the least.
+    /// Largest error of a linear colour. It excludes pixels whose light changes within a step of 0.02 pixels, and those
+    /// with slopes below the least.
     pub color: f64,
     pub seen: usize,
 }
@@ -43,7 +44,8 @@ fn judge(view: &View, truth: &[Seen], beside: &[Vec<Seen>], least_slope: f64) ->
     judged
 }
 
-/// Both views of a scene by `Naive`, judged; colours where rays meet surfaces at more than this slope.
+/// Renders both views of a scene by `Naive` and compares them. Colours count only where rays meet surfaces at more than
+/// this slope.
 pub(crate) fn judged(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, least_slope: f64) -> [Judged; 2] {
     let uploaded = renderer.upload(scene).wait().unwrap();
     let pair =

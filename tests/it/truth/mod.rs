@@ -1,5 +1,5 @@
-//! A ray tracer in double precision to judge pictures by: brute force, the textbook's formulas, and no code of the
-//! crate's but its scenes. It follows the f32 rays that the kernels follow, so that only their arithmetic is judged.
+//! A ray tracer in double precision as a reference for pictures: brute force, textbook formulas, and no code of the
+//! crate but its scenes. It follows the f32 rays of the kernels, so that only their arithmetic is tested.
 mod judged;
 
 use rayon::prelude::*;
@@ -11,12 +11,12 @@ use stereotrace::{
 
 pub(crate) use judged::judged;
 
-/// A triangle with what its tests share.
+/// A triangle with the values that its tests share.
 struct Triangle {
     corners: [DVec3; 3],
     normal: DVec3,
     albedo: DVec3,
-    /// What it is cut out by, and its texture coordinates.
+    /// The cut-out's texture and its texture coordinates.
     cutout: Option<(Texture, [DVec2; 3])>,
 }
 
@@ -26,14 +26,14 @@ struct Sphere {
     albedo: DVec3,
 }
 
-/// A sphere under a map: what takes offsets from its centre to those from the unit sphere's.
+/// A transformed sphere. `inverse` maps offsets from its centre to offsets from the unit sphere's centre.
 struct Ellipsoid {
     center: DVec3,
     inverse: DMat3,
     albedo: DVec3,
 }
 
-/// A plane through a point, by the unit normal that is traced: rounded to f32.
+/// A plane through a point, with the unit normal of the kernels, rounded to f32.
 struct Plane {
     point: DVec3,
     normal: DVec3,
@@ -52,16 +52,16 @@ pub(crate) struct Truth {
     sky: DVec3,
 }
 
-/// What a ray sees.
+/// The result of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen {
-    /// Infinite where nothing is hit.
+    /// Infinite for a miss.
     pub t: f64,
-    /// [`MISS`] where nothing is hit.
+    /// [`MISS`] for a miss.
     pub primitive: u32,
     /// Linear RGB in 0 to 1.
     pub linear: DVec3,
-    /// The sine of the angle between ray and surface.
+    /// Sine of the angle between ray and surface.
     pub slope: f64,
 }
 
@@ -112,7 +112,7 @@ impl Truth {
         }
     }
 
-    /// The nearest t above 0 and the primitive there, or infinity and [`MISS`]; of equal t the smaller id.
+    /// Returns the nearest t above 0 and its primitive, or infinity and [`MISS`]. For equal t, the smaller id wins.
     pub(crate) fn closest(&self, origin: DVec3, direction: DVec3) -> (f64, u32) {
         let mut best = (f64::INFINITY, MISS);
         let mut offer = |t: Option<f64>, id: usize| {
@@ -133,20 +133,20 @@ impl Truth {
         best
     }
 
-    /// The id of the first plane.
+    /// Returns the id of the first plane.
     fn first_plane(&self) -> usize {
         self.triangles.len() + self.spheres.len() + self.ellipsoids.len()
     }
 
-    /// Where spheres are met, and then ellipsoids.
+    /// Returns the hits of spheres, then of ellipsoids.
     fn quadrics(&self, origin: DVec3, direction: DVec3) -> impl Iterator<Item = Option<[f64; 2]>> + '_ {
         let spheres = self.spheres.iter().map(move |sphere| sphere.hits(origin, direction));
         spheres.chain(self.ellipsoids.iter().map(move |one| one.hits(origin, direction)))
     }
 
-    /// Whether a primitive other than `own` stands between two points.
+    /// Returns whether a primitive other than `own` is between two points.
     fn occluded(&self, from: DVec3, to: DVec3, own: u32) -> bool {
-        // Coplanar neighbours of `own` are met at t = 0 within rounding.
+        // Coplanar neighbours of `own` are hit at t = 0 within rounding.
         let between = |t: f64| t > 1e-9 && t < 1.0;
         let direction = to - from;
         let triangles = self.triangles.iter().enumerate().filter(|(id, _)| *id as u32 != own);
@@ -159,7 +159,7 @@ impl Truth {
             })
     }
 
-    /// What a ray sees, shaded as DESIGN, section 3, says.
+    /// Returns the surface and light that a ray sees, shaded as DESIGN, section 3, defines.
     pub(crate) fn see(&self, origin: Vec3, direction: Vec3) -> Seen {
         let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
         let (t, primitive) = self.closest(origin, direction);
@@ -197,7 +197,7 @@ impl Truth {
         Seen { t, primitive, linear, slope: cosine.abs() / direction.length() }
     }
 
-    /// What an eye sees, row by row: t is depth, since directions have length 1 along the view axis.
+    /// Returns the view of an eye, row by row. t is depth, since directions have length 1 along the view axis.
     pub(crate) fn view(&self, frame: &Frame, eye: Eye) -> Vec<Seen> {
         let [width, height] = frame.size();
         let pixel = |index: usize| self.see(frame.eye(eye), frame.direction(eye, index % width, index / width));
@@ -206,7 +206,7 @@ impl Truth {
 }
 
 impl Triangle {
-    /// t at the triangle's plane, where the ray passes within the triangle.
+    /// Returns t at the triangle's plane, if the ray passes within the triangle.
     fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         let [a, b, c] = self.corners.map(|corner| corner - origin);
         let edge = |p: DVec3, q: DVec3| direction.dot(p.cross(q - p));
@@ -226,14 +226,14 @@ impl Triangle {
 }
 
 impl Plane {
-    /// t, below 0 behind the ray; nothing where it is met farther away than 1e8 units.
+    /// Returns t, which is below 0 behind the ray. Returns `None` for hits farther away than 1e8 units.
     fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         let t = self.normal.dot(self.point - origin) / self.normal.dot(direction);
         (t.is_finite() && t != 0.0 && t.abs() * direction.length() <= 1e8).then_some(t)
     }
 }
 
-/// Whether a cut-out has a surface at these texture coordinates.
+/// Returns whether a cut-out has a surface at these texture coordinates.
 fn has_surface(texture: &Texture, uv: DVec2) -> bool {
     let wrapped = |at: f64, size: u32| {
         let at = match texture.wrap {

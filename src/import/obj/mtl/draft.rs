@@ -31,7 +31,8 @@ pub(super) struct Draft {
     transmission: Option<Vec3>,
     exponent: Option<f32>,
     index: Option<f32>,
-    /// `d`, and its opposite `Tr`, which only counts without `d`, since some programs write 1 for opaque in both.
+    /// Values of `d` and its opposite `Tr`. `Tr` only counts without `d`, since some programs write 1 for opaque in
+    /// both.
     dissolve: Option<f32>,
     transparency: Option<f32>,
     illumination: Option<u32>,
@@ -244,7 +245,7 @@ fn note_left_out(keyword: &str, numbers: &str, line: usize, warnings: &mut Warni
         }
         "bump" | "disp" | "decal" | "refl" | "norm" => warnings.left_out(OTHER_MAPS, line),
         _ if keyword.starts_with("map_") => warnings.left_out(OTHER_MAPS, line),
-        // Sharpness has no effect, since reflections are always sharp.
+        // Sharpness has no effect here, since reflections are always sharp.
         "Ka" | "sharpness" | "" => {}
         _ if keyword.starts_with('#') => {}
         _ => warnings.left_out("unknown statements", line),

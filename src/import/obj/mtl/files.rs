@@ -42,7 +42,8 @@ impl<'a> Textures<'a> {
         Self { files, obj, missing, limits_left, decodable, textures, ids, read }
     }
 
-    /// Returns the texture that a statement of a material names. `None` for an unreadable one if that is no error.
+    /// Returns the texture that a statement of a material names. Returns `None` for an unreadable texture if that is no
+    /// error.
     pub(super) fn find(
         &mut self,
         mtl: &Path,

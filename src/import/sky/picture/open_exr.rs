@@ -16,13 +16,13 @@ use glam::Vec3;
 use super::check_size;
 use crate::{Error, Limits, message::counted};
 
-/// Size that a block may always have, however small the limit on skies.
+/// Block size that is always allowed, even if the limit on skies is smaller.
 const LEAST_BLOCK_BYTES: u64 = 16 << 20;
 /// Largest number of channels. All channels of a block are decompressed, also unused ones.
 const MOST_CHANNELS: usize = 128;
 
-/// Decodes a picture. The file's display window is the sky, black where the file has no pixels. Negative light, as
-/// filters leave it, becomes 0.
+/// Decodes a picture. The file's display window is the sky, black where the file has no pixels. Negative light, which
+/// filters may produce, becomes 0.
 pub(super) fn decode(
     path: &Path,
     mut source: impl BufRead + Seek,
