@@ -65,7 +65,7 @@ class RenderOptions(TypedDict, total=False):
     method: str
     # Arrays to return: names of OUTPUTS, or one name. Default ["color", "depth", "disparity"].
     outputs: str | Sequence[str]
-    # Samples a pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64. Default 1.
+    # Samples per pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64. Default 1.
     samples: int
     # Weights of samples. Default "box".
     filter: Literal["box", "tent", "gauss"]
@@ -225,13 +225,13 @@ class Choice(TypedDict):
     by_bracket: float
     # Share of right pixels that no left sample saw, 0 to 1.
     gaps: float
-    # Shadow rays a pixel of the left view.
+    # Shadow rays per pixel of the left view.
     shadow_rays: float
-    # Rays a pixel of the left view from mirrors, glass and translucent surfaces.
+    # Rays per pixel of the left view from mirrors, glass and translucent surfaces.
     secondary_rays: float
-    # Predicted cost of the right view by bracket, in primary rays a pixel.
+    # Predicted cost of the right view by bracket, in primary rays per pixel.
     bracket: float
-    # Predicted cost of the right view by naive, in primary rays a pixel.
+    # Predicted cost of the right view by naive, in primary rays per pixel.
     naive: float
 
 @type_check_only
