@@ -17,7 +17,8 @@ fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u3
 }
 
 //! if shine is some
-// Phong's lobe as MTL defines it. `cosine` is that of the mirrored light and the eye, `facing` that of normal and light.
+// Phong's lobe as MTL defines it. `cosine` is the cosine of the angle between the mirrored light and the eye, `facing`
+// that between the normal and the light.
 fn lobe_scale(exponent: f32) -> f32 { return 1.0; }
 
 // pow(0, 0) is undefined, so the cosine has a lower limit.
