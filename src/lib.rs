@@ -112,8 +112,10 @@ mod random;
 mod render;
 mod sampling;
 pub mod scene;
+mod shadow_buffer;
 mod srgb;
 mod steps;
+mod t_buffer;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
 mod truth;

@@ -77,7 +77,7 @@ struct Frame {
 
 //! if canvas is middles or texels
 // The light replaces the eyes. The directions of the texels of its shadow-buffer replace the directions of pixels.
-// src/render/shadow_buffer/mapping.rs fills this struct.
+// src/shadow_buffer/mapping.rs fills this struct.
 struct Mapping {
     light: vec3f,        // scene coordinates
     theta_begin: f32,    // theta of the first row, radians

@@ -12,7 +12,7 @@ const ON_PLANE: f32 = 4e-6;
 
 //! if shadow_buffer is object or depth or hybrid
 // The texture has one layer per light. Each texel holds the bits of t and the slot, or the result of read_texels.wgsl.
-// An additional last row describes the directions (src/render/shadow_buffer.rs).
+// An additional last row describes the directions (src/shadow_buffer/mod.rs).
 var shadow_buffers: texture_2d_array<u32>;
 
 // Data of the surfaces that lit_by needs in addition to its arguments.

@@ -10,7 +10,6 @@ use std::{ops::ControlFlow, time::Duration};
 
 use super::{
     bands::Band,
-    drawing,
     executor::{Executor, Resources, Workgroups},
     lanes::Lanes,
     plan::{Launch, Plan, Stage, Step},
@@ -120,7 +119,7 @@ impl<'a> Driver<'a> {
             Launch::Tiles => self.workgroups(rows, [layout::TILE, layout::TILE]),
             Launch::WideTiles => self.workgroups(rows, [layout::WIDE_TILE, layout::WIDE_TILE]),
             Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],
-            Launch::Primitives => drawing::workgroups(targets.shape.drawn),
+            Launch::Number(workgroups) => workgroups,
             Launch::Once => [1, 1, 1],
             Launch::Listed(lists, list) => return Workgroups::Listed(targets.get(lists, 0), list),
         })
@@ -289,10 +288,7 @@ impl Driver<'_> {
                 encoder.copy_buffer_to_buffer(empty, 0, targets.get(Resource::Lists, 0), 0, Some(empty.size()));
             }
             Step::EmptySlots => self.slots.clear(encoder),
-            Step::EmptyTBuffer => {
-                encoder.clear_buffer(targets.get(Resource::TBuffer, 0), 0, None);
-                encoder.clear_buffer(targets.get(Resource::Drawing, 0), 0, Some(drawing::DRAWING_HEAD));
-            }
+            Step::Clear(resource, bytes) => encoder.clear_buffer(targets.get(resource, 0), 0, bytes),
             Step::Copy(view) => self.encode_copy(encoder, view),
             Step::Run { name, kernel, view, launch, part } => {
                 let workgroups = self.launched(kernel, view, launch);

@@ -2,7 +2,6 @@
 //! band, and results are read back.
 
 mod bands;
-pub(crate) mod drawing;
 pub(crate) mod driver;
 pub(crate) mod executor;
 pub(crate) mod eyes;

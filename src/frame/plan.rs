@@ -82,8 +82,8 @@ pub(crate) enum Step {
     EmptyLists,
     /// Empties the 3D buffer.
     EmptySlots,
-    /// Empties the T-buffer and the heads of its lists.
-    EmptyTBuffer,
+    /// Clears a buffer, or its first bytes.
+    Clear(Resource, Option<u64>),
 }
 
 /// Number of threads of a step.
@@ -99,8 +99,8 @@ pub(crate) enum Launch {
     WideTiles,
     /// One thread per row of the band.
     Rows,
-    /// One thread per primitive of the tree.
-    Primitives,
+    /// This number of workgroups, whatever the band's size is.
+    Number([u32; 3]),
     /// Indirect dispatch by the head of a list in a buffer: the buffer, and the list's index. An earlier step filled
     /// the list.
     Listed(Resource, u32),
@@ -156,7 +156,7 @@ impl Plan {
                     used.places.extend(with.linear.then_some((Resource::Linear, view)));
                 }
                 // These steps add no places, since the plan's kernels bind the same buffers.
-                Step::EmptyLists | Step::EmptySlots | Step::EmptyTBuffer => {}
+                Step::EmptyLists | Step::EmptySlots | Step::Clear(..) => {}
             }
         }
         // Statistics are read for every view.

@@ -12,7 +12,6 @@ use super::{
 };
 use crate::{
     Error, GBuffer,
-    frame::drawing::drawing_bytes,
     gpu::{Gpu, Staging, check_bytes},
     kernel::Resource,
     kernel::layout::{self, WORKGROUP},
@@ -59,8 +58,8 @@ pub(crate) struct Shape {
     pub(crate) g_buffer: GBuffer,
     /// Number of lights that are not point lights, plus one for sampled ambient light.
     pub(crate) soft_sources: u32,
-    /// Number of primitives drawn into a T-buffer; 0 without a T-buffer.
-    pub(crate) drawn: u32,
+    /// Size of the lists of drawn primitives in bytes; 0 without them.
+    pub(crate) drawing_bytes: u64,
     /// Number of parts of soft light, at least one.
     pub(crate) parts: u32,
 }
@@ -99,7 +98,7 @@ impl Shape {
                 layout::LISTS_HEADS + 4 * tiles * u64::from(layout::TILE_PIXELS + results)
             }
             Resource::TBuffer => pixels.saturating_mul(8),
-            Resource::Drawing => drawing_bytes(self.drawn),
+            Resource::Drawing => self.drawing_bytes,
             Resource::Unfinished => 4,
             other => unreachable!("targets do not hold {other:?}"),
         }

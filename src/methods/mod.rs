@@ -12,6 +12,7 @@ use crate::{
     Method, ShadowReuse,
     frame::plan::{InSteps, Made, Plan, Stage, targets},
     steps::{mirrors, trace},
+    t_buffer::{self, Drawn},
 };
 
 /// The views of a frame, and the settings that their steps depend on.
@@ -25,8 +26,8 @@ pub(crate) struct Views<'a> {
     pub(crate) soft: Option<usize>,
     /// Whether tiles are searched four at a time, as is done for several samples per pixel.
     pub(crate) wide: bool,
-    /// Whether a T-buffer finds the hits of traced views.
-    pub(crate) drawn: bool,
+    /// Primitives to draw if a T-buffer finds the hits of traced views.
+    pub(crate) drawn: Option<Drawn>,
 }
 
 /// A view that a method makes from another.
@@ -36,7 +37,7 @@ struct Target {
     source: usize,
     soft: Option<usize>,
     wide: bool,
-    drawn: bool,
+    drawn: Option<Drawn>,
 }
 
 /// How a method makes views, and the data that it needs.
@@ -63,11 +64,12 @@ impl Promise {
 /// Returns the plan of a method.
 pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
     let Views { sources, mirrors, soft, wide, drawn } = *views;
-    let Promise { made, bits, samples, reaches, follows } = promise(method, drawn);
+    let Promise { made, bits, samples, reaches, follows } = promise(method, drawn.is_some());
     let behind = |view| if mirrors { mirrors::of(view) } else { Vec::new() };
     let all = 0..sources.len();
     let traced = all.clone().filter(|&view| sources[view] == view);
-    let traced = traced.flat_map(|view| [trace::source(view, soft, drawn), behind(view)].concat()).collect();
+    let source = |view| drawn.map_or_else(|| trace::source(view, soft), |drawn| t_buffer::view(view, drawn, soft));
+    let traced = traced.flat_map(|view| [source(view), behind(view)].concat()).collect();
     let mut stages = vec![Stage::Steps(traced)];
     for (view, source) in targets(sources) {
         stages.extend(stages_of(method, Target { view, source, soft, wide, drawn }));
@@ -75,7 +77,7 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
             stages.push(Stage::Steps(behind(view)));
         }
     }
-    let traced = if drawn { Made::Drawn } else { Made::Traced };
+    let traced = if drawn.is_some() { Made::Drawn } else { Made::Traced };
     let made = all.clone().map(|view| if sources[view] == view { traced } else { made }).collect();
     let in_steps = all.map(|view| InSteps {
         trace: trace::in_steps(view, sources[view]),

@@ -4,6 +4,7 @@ use super::{Promise, Target};
 use crate::{
     frame::plan::{Made, Stage},
     steps::trace,
+    t_buffer,
 };
 
 pub(super) fn promise(drawn: bool) -> Promise {
@@ -11,5 +12,6 @@ pub(super) fn promise(drawn: bool) -> Promise {
 }
 
 pub(super) fn stages(Target { view, soft, drawn, .. }: Target) -> Vec<Stage> {
-    vec![Stage::Steps(trace::target(view, soft, drawn))]
+    let steps = drawn.map_or_else(|| trace::target(view, soft), |drawn| t_buffer::view(view, drawn, soft));
+    vec![Stage::Steps(steps)]
 }

@@ -2,7 +2,6 @@
 
 use std::{ops::ControlFlow, sync::Arc};
 
-use super::shadow_buffer::Tables;
 use crate::{
     Error, GBuffer, Gpu, Options, Renderer, Rig, UploadedScene,
     frame::{
@@ -13,6 +12,7 @@ use crate::{
         uniforms::{STRIDE, uniforms_bytes},
     },
     kernel::Resource,
+    shadow_buffer::Tables,
     view::rig::Eyes,
 };
 
@@ -81,9 +81,9 @@ impl Renderer {
             scene.weigh_sky().await?;
         }
         let eyes = rig.eyes(scene.origin)?;
-        let tables = self.shadow_tables(scene, options).await?.map(|(tables, _)| tables);
+        let tables = scene.shadow_tables(&self.kernels, options).await?.map(|(tables, _)| tables);
         let drawn = self.drawn(scene, options);
-        let (.., plan) = self.planned(scene, &eyes, options, drawn.is_some());
+        let (.., plan) = self.planned(scene, &eyes, options, drawn);
         check(&self.gpu, options, &plan, &eyes)?;
         let variant = self.variant(scene, &eyes, options, &plan);
         let mut used = plan.uses(&self.kernels, &variant);

@@ -21,6 +21,7 @@ use crate::{
     message::counted,
     methods::{self, auto::CostModel},
     sampling::Jitter,
+    t_buffer::Drawn,
     view::rig::Eyes,
 };
 
@@ -106,10 +107,10 @@ impl Renderer {
         if options.sky_rays.is_some() {
             scene.weigh_sky().await?;
         }
-        let tables = self.shadow_tables(scene, options).await?;
+        let tables = scene.shadow_tables(&self.kernels, options).await?;
         let masked = wanted.masks().is_some();
         let drawn = if masked { None } else { self.drawn(scene, options) };
-        let (method, early, plan) = self.planned(scene, eyes, options, drawn.is_some());
+        let (method, early, plan) = self.planned(scene, eyes, options, drawn);
         let variant = Variant { masked, ..self.variant(scene, eyes, options, &plan) };
         let mut used = plan.uses(&self.kernels, &variant);
         used.places.extend(wanted.pictures.then_some((Resource::Packed, 0)));
@@ -212,7 +213,7 @@ impl Renderer {
         scene: &UploadedScene,
         eyes: &Eyes,
         options: &Options,
-        drawn: bool,
+        drawn: Option<Drawn>,
     ) -> (Method, Option<Choice>, Plan) {
         let method = if self.steps.always { Method::Naive } else { self.effective(options, eyes, scene) };
         let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose, options) } else { None };
@@ -246,8 +247,8 @@ impl Renderer {
         }
     }
 
-    /// Returns the number of primitives to draw into a T-buffer, or `None` if the frame uses no T-buffer.
-    pub(super) fn drawn(&self, scene: &UploadedScene, options: &Options) -> Option<u32> {
+    /// Returns the primitives to draw into a T-buffer, or `None` if the frame uses no T-buffer.
+    pub(super) fn drawn(&self, scene: &UploadedScene, options: &Options) -> Option<Drawn> {
         let is_asked = options.visibility == Visibility::TBuffer && !self.steps.always;
         if is_asked { scene.drawn() } else { None }
     }
@@ -258,7 +259,7 @@ impl Renderer {
         scene: &UploadedScene,
         eyes: &Eyes,
         options: &Options,
-        (plan, rows, drawn): (&Plan, u32, Option<u32>),
+        (plan, rows, drawn): (&Plan, u32, Option<Drawn>),
     ) -> Shape {
         let rays = 1 + scene.lights.len() as u32 + scene.soft.rays(options);
         let band_pixels = self.band_pixels / rays.div_ceil(6);
@@ -271,7 +272,7 @@ impl Renderer {
             cost_map: options.cost_map,
             g_buffer: options.g_buffer,
             soft_sources: scene.soft.count(options),
-            drawn: drawn.unwrap_or(0),
+            drawing_bytes: drawn.map_or(0, Drawn::list_bytes),
             parts: (scene.soft.parts(options).len() as u32).max(1),
         }
     }
@@ -299,7 +300,7 @@ impl Renderer {
             sky_light: options.sky_rays.is_some(),
             shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
             casts: counting.casts || !soft,
-            shadow_buffer: scene.shadow_reading(options),
+            shadow_buffer: scene.casters().reading(options),
             ..counting
         }
     }

@@ -9,7 +9,6 @@ pub(crate) mod pair;
 mod renderer;
 mod results;
 mod samples;
-pub(crate) mod shadow_buffer;
 mod tally;
 #[cfg(test)]
 mod tests;

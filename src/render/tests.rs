@@ -113,7 +113,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let scene = renderer.upload(&Scene::new()).wait().unwrap();
     let run = async {
         // The source depths are given, so the step that traces the source is removed.
-        let views = methods::Views { sources: &eyes.sources, mirrors: false, soft: None, wide: false, drawn: false };
+        let views = methods::Views { sources: &eyes.sources, mirrors: false, soft: None, wide: false, drawn: None };
         let mut plan = methods::plan(method, &views);
         let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
         steps.remove(0);
@@ -126,7 +126,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
             cost_map: false,
             g_buffer: GBuffer::None,
             soft_sources: 0,
-            drawn: 0,
+            drawing_bytes: 0,
             parts: 1,
         };
         let used = plan.uses(&renderer.kernels, &variant);

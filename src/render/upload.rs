@@ -9,22 +9,23 @@ use glam::{DVec3, Vec3};
 use web_time::Instant;
 
 use crate::{
-    BvhBuild, Choice, Error, Method, Options, Penumbra, Pose, Renderer, Scene, Texture,
+    BvhBuild, Choice, Error, Method, Options, Penumbra, Pose, Renderer, Scene, ShadowBufferWork, Texture,
     accel::bvh::{self, PackedBvh, TreeShape},
     accel::cutouts::cutouts_of,
     accel::geometry::GeometryTexels,
     accel::large::LargePrimitives,
     accel::table::{Pictures, ShadingTable},
-    frame::{drawing, executor::Resources, targets::Used},
+    frame::{executor::Resources, targets::Used},
     gpu::{Gpu, Texel, Texels},
-    kernel::Resource,
     kernel::layout,
     kernel::traversal::{Fetch, Traversal},
     kernel::variant::{Shadows, Variant},
+    kernel::{Kernels, Resource},
     message::counted,
     methods::auto::{Asked, CostModel, Seen},
-    render::shadow_buffer::Tables,
+    shadow_buffer::{self, Casters, Tables},
     steps::soft::SoftLights,
+    t_buffer::Drawn,
 };
 
 /// A scene on a device, ready to be rendered from any number of cameras.
@@ -53,7 +54,7 @@ pub struct UploadedScene {
     /// Bounds of all primitives except planes.
     pub(crate) bounds: Option<(Vec3, Vec3)>,
     /// Shadow-buffers of the last frame that used any.
-    pub(crate) shadow_tables: Mutex<Option<Arc<Tables>>>,
+    shadow_tables: shadow_buffer::Kept,
     pub(crate) soft: SoftLights,
     pub(crate) large: LargePrimitives,
     /// Data of the tree that a refit needs.
@@ -135,9 +136,35 @@ impl UploadedScene {
         Ok(all)
     }
 
-    /// Returns how many primitives are drawn into a T-buffer, or `None` if their lists do not fit one binding.
-    pub(super) fn drawn(&self) -> Option<u32> {
-        drawing::drawn(self.ids.len() as u32, &self.variant, &self.gpu)
+    /// Returns the primitives to draw into a T-buffer, or `None` if their lists do not fit one binding.
+    pub(super) fn drawn(&self) -> Option<Drawn> {
+        Drawn::of(self.ids.len() as u32, &self.variant, &self.gpu)
+    }
+
+    /// Returns the parts of the scene that shadow-buffers depend on.
+    pub(crate) fn casters(&self) -> Casters<'_> {
+        Casters {
+            variant: &self.variant,
+            is_empty: self.ids.is_empty(),
+            drawn: self.drawn(),
+            point_lights: &self.point_lights,
+            bounds: self.bounds,
+            large: &self.large,
+        }
+    }
+
+    /// Returns the shadow-buffers that a frame queries, after filling missing ones; `None` if it queries none.
+    pub(crate) async fn shadow_tables(
+        &self,
+        kernels: &Kernels,
+        options: &Options,
+    ) -> Result<Option<(Arc<Tables>, ShadowBufferWork)>, Error> {
+        if options.shadow_buffer.is_none() {
+            return Ok(None);
+        }
+        let mut resources = Resources::default();
+        self.resources(&mut resources);
+        shadow_buffer::tables((&self.gpu, kernels), &self.casters(), &resources, &self.shadow_tables, options).await
     }
 
     /// Returns the primitives' objects in BVH order, uploaded at the first call, for the pass that finds edges.

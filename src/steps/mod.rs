@@ -6,7 +6,6 @@ pub(crate) mod mirrors;
 pub(crate) mod reproject;
 pub(crate) mod resolve;
 pub(crate) mod soft;
-pub(crate) mod t_buffer;
 pub(crate) mod trace;
 
 use crate::{
@@ -15,6 +14,6 @@ use crate::{
 };
 
 /// Returns the step that runs a kernel for a view, under the kernel's name.
-fn step(kernel: &'static Kernel, view: usize, launch: Launch) -> Step {
+pub(crate) fn step(kernel: &'static Kernel, view: usize, launch: Launch) -> Step {
     Step::Run { name: kernel.name, kernel, view, launch, part: 0 }
 }

@@ -1,6 +1,6 @@
 //! Traces and shades a whole view.
 
-use super::{soft, step, t_buffer};
+use super::{soft, step};
 use crate::{
     frame::plan::{Launch, Step},
     kernel::layout::ALL_TRACED,
@@ -12,18 +12,14 @@ pub(crate) const TRACE_LEFT: Kernel = kernel!("trace", "trace_left", Role::Shade
 pub(crate) const TRACE_IN_STEPS: Kernel =
     kernel!("trace", "trace_in_steps", Role::Shade(Shading::Traced(Dispatches::Many)));
 
-/// Returns the steps that make a source view. With `drawn`, a T-buffer finds its hits.
-pub(crate) fn source(view: usize, soft: Option<usize>, drawn: bool) -> Vec<Step> {
-    if drawn { by_t_buffer(view, soft) } else { traced("trace_left", view, Launch::Pixels, soft) }
+/// Returns the steps that make a source view.
+pub(crate) fn source(view: usize, soft: Option<usize>) -> Vec<Step> {
+    traced("trace_left", view, Launch::Pixels, soft)
 }
 
 /// Returns the steps that trace a view although it has a source.
-pub(crate) fn target(view: usize, soft: Option<usize>, drawn: bool) -> Vec<Step> {
-    if drawn { by_t_buffer(view, soft) } else { traced("trace_right", view, Launch::Pixels, soft) }
-}
-
-fn by_t_buffer(view: usize, soft: Option<usize>) -> Vec<Step> {
-    [t_buffer::hits(view), soft::behind_hits(view, Launch::Pixels, soft.unwrap_or(0))].concat()
+pub(crate) fn target(view: usize, soft: Option<usize>) -> Vec<Step> {
+    traced("trace_right", view, Launch::Pixels, soft)
 }
 
 /// Returns the step that traces a view in several dispatches.

@@ -7,10 +7,33 @@ use std::{
 };
 
 /// The modules and single files of src/, from the lowest to the highest.
-const FLOORS: [&str; 20] = [
-    "message", "error", "random", "srgb", "ask", "view", "scene", "gpu", "import", "kernel", "accel", "frame", "steps",
-    "methods", "sampling", "render", "truth", "output", "blocking", "testing",
+const FLOORS: [&str; 22] = [
+    "message",
+    "error",
+    "random",
+    "srgb",
+    "ask",
+    "view",
+    "scene",
+    "gpu",
+    "import",
+    "kernel",
+    "accel",
+    "frame",
+    "steps",
+    "t_buffer",
+    "shadow_buffer",
+    "methods",
+    "sampling",
+    "render",
+    "truth",
+    "output",
+    "blocking",
+    "testing",
 ];
+/// Modules of optional parts, and the modules that may import them: those that make plans and run frames.
+const OPTIONAL: [(&str, &[&str]); 2] =
+    [("t_buffer", &["shadow_buffer", "methods", "render"]), ("shadow_buffer", &["render", "testing"])];
 /// Files above all modules.
 const ROOF: [&str; 2] = ["lib", "guide"];
 
@@ -86,6 +109,10 @@ fn no_room_imports_a_room_above_it() {
         let text = code(&path);
         for word in imports(&text) {
             let room = if floor(word).is_some() { word } else { exports.get(word).copied().unwrap_or(word) };
+            let importers = OPTIONAL.iter().find(|(optional, _)| *optional == room).map(|(_, importers)| importers);
+            if let Some(importers) = importers.filter(|_| room != names[0] && room == word) {
+                assert!(importers.contains(&names[0]), "{} imports {room}", inside.display());
+            }
             match floor(room) {
                 Some(other) => {
                     assert!(other <= own, "{} imports {word} of {room}, which is above it", inside.display())

@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 
 use super::{variants::variants, *};
-use crate::render::shadow_buffer::READ_TEXELS;
+use crate::shadow_buffer::READ_TEXELS;
 
 macro_rules! assert_layout {
     ($module:expr, $name:ident { $($field:ident),* $(,)? }) => {{

@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 
 use super::intersect::closest_hit;
 use crate::Scene;
-pub use crate::render::shadow_buffer::mapping::Mapping;
+pub use crate::shadow_buffer::mapping::Mapping;
 
 impl Mapping {
     /// Returns whether the mapping covers all directions. Then rows continue beyond the poles and columns wrap around.

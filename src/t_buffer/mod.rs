@@ -2,16 +2,19 @@
 //! pixels that they may cover. The first pass finds each pixel's nearest t, the second finds the primitive with this t.
 //! Then each pixel's hit is read. Later steps of the view are the same as for traced hits.
 
-use super::{resolve::TRACE_LISTED, step};
+mod lists;
+
 use crate::{
     frame::plan::{Launch, Step},
     kernel::layout::TO_TRACE,
     kernel::{
         Canvas, Hits, Kernel,
-        Resource::{Drawing, Lists},
+        Resource::{Drawing, Lists, TBuffer},
         Role, kernel,
     },
+    steps::{resolve::TRACE_LISTED, soft, step},
 };
+pub(crate) use lists::{DRAWING_HEAD, Drawn};
 
 pub(crate) const BEGIN_PASS: Kernel = kernel!("t_buffer", "begin_pass", Role::Pixels);
 pub(crate) const PROJECT_PRIMITIVES: Kernel = kernel!("t_buffer", "project_primitives", Role::Draw(Canvas::Picture));
@@ -30,8 +33,12 @@ const FEW: u32 = 0;
 const MORE: u32 = 1;
 const PARTS: u32 = 2;
 
-/// Returns the steps that find a view's hits.
-pub(crate) fn hits(view: usize) -> Vec<Step> {
+/// Returns the steps that find and shade a view's hits. Soft light is sampled in this many parts.
+pub(crate) fn view(view: usize, drawn: Drawn, soft: Option<usize>) -> Vec<Step> {
+    [hits(view, drawn), soft::behind_hits(view, Launch::Pixels, soft.unwrap_or(0))].concat()
+}
+
+fn hits(view: usize, drawn: Drawn) -> Vec<Step> {
     let begin = step(&BEGIN_PASS, view, Launch::Once);
     let pass = [
         step(&DRAW_FEW, view, Launch::Listed(Drawing, FEW)),
@@ -43,7 +50,12 @@ pub(crate) fn hits(view: usize) -> Vec<Step> {
         step(&READ_T_BUFFER, view, Launch::Pixels),
         step(&TRACE_NAMELESS, view, Launch::Listed(Lists, TO_TRACE)),
     ];
-    let project = [Step::EmptyTBuffer, step(&PROJECT_PRIMITIVES, view, Launch::Primitives), begin];
+    let project = [
+        Step::Clear(TBuffer, None),
+        Step::Clear(Drawing, Some(DRAWING_HEAD)),
+        step(&PROJECT_PRIMITIVES, view, Launch::Number(drawn.workgroups())),
+        begin,
+    ];
     [project.as_slice(), &pass, &[begin], &pass, &read].concat()
 }
 

@@ -6,22 +6,23 @@ pub(crate) mod mapping;
 #[cfg(test)]
 mod tests;
 
-use std::{ops::Range, sync::Arc};
+use std::{
+    ops::Range,
+    sync::{Arc, Mutex},
+};
 
 use glam::Vec3;
 
 use crate::{
-    Error, Options, Renderer, UploadedScene,
+    Error, Options,
+    accel::large::LargePrimitives,
     ask::shadow_buffer::{MAX_SHADOW_BUFFERS, Reading, ShadowBuffer, ShadowBufferWork, ShadowRule},
-    frame::{
-        drawing::{self, DRAWING_HEAD, drawing_bytes},
-        executor::{Executor, Resources, Workgroups, indirect_buffer},
-    },
+    frame::executor::{Executor, Resources, Workgroups, indirect_buffer},
     gpu::{Gpu, lock},
     kernel::layout::{self, WORKGROUP},
     kernel::variant::{Shadows, Variant},
     kernel::{Canvas, Kernel, Kernels, Resource, Role, kernel},
-    steps::t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, PROJECT_PRIMITIVES},
+    t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, DRAWING_HEAD, Drawn, PROJECT_PRIMITIVES},
 };
 use mapping::Mapping;
 
@@ -70,6 +71,23 @@ pub(crate) struct Tables {
     layers: Vec<Layer>,
 }
 
+/// Shadow-buffers of the last frame that used any, kept with the uploaded scene.
+pub(crate) type Kept = Mutex<Option<Arc<Tables>>>;
+
+/// The parts of a scene that shadow-buffers depend on.
+pub(crate) struct Casters<'a> {
+    pub(crate) variant: &'a Variant,
+    /// Whether the scene has no primitives.
+    pub(crate) is_empty: bool,
+    /// Primitives to draw, or `None` if none can be drawn.
+    pub(crate) drawn: Option<Drawn>,
+    /// Indices among all lights, and positions, of the point lights.
+    pub(crate) point_lights: &'a [(u32, Vec3)],
+    /// Bounds of all primitives except planes.
+    pub(crate) bounds: Option<(Vec3, Vec3)>,
+    pub(crate) large: &'a LargePrimitives,
+}
+
 /// A light, the mapping of its table, and the margin of the hybrid rule, if any.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Layer {
@@ -83,8 +101,7 @@ struct Filling<'a> {
     gpu: &'a Gpu,
     kernels: &'a Kernels,
     with: Variant,
-    /// Number of primitives to draw.
-    primitives: u32,
+    drawn: Option<Drawn>,
     frame: wgpu::Buffer,
     counters: wgpu::Buffer,
     t_buffer: wgpu::Buffer,
@@ -113,18 +130,18 @@ fn format_of(buffer: &ShadowBuffer) -> wgpu::TextureFormat {
     }
 }
 
-impl UploadedScene {
+impl Casters<'_> {
     /// Returns the lights with a table: their indices among all lights, and their positions.
-    fn buffered_lights(&self) -> impl Iterator<Item = (u32, Vec3)> + '_ {
-        let near = self.variant.shadows == Shadows::FromLight && !self.ids.is_empty();
-        let can_draw = !self.variant.has_tree() || self.drawn().is_some();
+    fn lights(&self) -> impl Iterator<Item = (u32, Vec3)> + '_ {
+        let near = self.variant.shadows == Shadows::FromLight && !self.is_empty;
+        let can_draw = !self.variant.has_tree() || self.drawn.is_some();
         let lights = self.point_lights.iter().copied().filter(move |(place, _)| near && can_draw && *place < 32);
         lights.take(MAX_SHADOW_BUFFERS)
     }
 
     /// Returns how a frame's kernels read the tables; `None` if there are none.
-    pub(crate) fn shadow_reading(&self, options: &Options) -> Option<Reading> {
-        let lights = self.buffered_lights().fold(0, |mask, (place, _)| mask | 1 << place);
+    pub(crate) fn reading(&self, options: &Options) -> Option<Reading> {
+        let lights = self.lights().fold(0, |mask, (place, _)| mask | 1 << place);
         options.shadow_buffer.filter(|_| lights != 0).map(|buffer| Reading::new(buffer.rule, lights))
     }
 
@@ -140,64 +157,74 @@ impl UploadedScene {
             ShadowRule::Hybrid { margin } => Some(margin),
             _ => None,
         };
-        self.buffered_lights().map(|(_, light)| Layer { light, mapping: mapping(light), margin }).collect()
+        self.lights().map(|(_, light)| Layer { light, mapping: mapping(light), margin }).collect()
     }
 }
 
-impl Renderer {
-    /// Returns the tables that a frame queries, after filling missing ones; `None` if it queries none.
-    pub(crate) async fn shadow_tables(
-        &self,
-        scene: &UploadedScene,
-        options: &Options,
-    ) -> Result<Option<(Arc<Tables>, ShadowBufferWork)>, Error> {
-        let Some(buffer) = options.shadow_buffer.filter(|_| scene.shadow_reading(options).is_some()) else {
-            return Ok(None);
-        };
-        let format = format_of(&buffer);
-        let size = Tables::size(&self.gpu, &buffer, scene.buffered_lights().count())?;
-        let layers = scene.layers(&buffer);
-        let mut work = ShadowBufferWork { bytes: Tables::bytes(format, size), ..Default::default() };
-        let fits = |kept: &Tables| kept.texture.0.size() == size && kept.texture.0.format() == format;
-        let kept = lock(&scene.shadow_tables).clone();
-        if let Some(kept) = kept.filter(|kept| fits(kept) && kept.layers == layers) {
-            return Ok(Some((kept, work)));
-        }
-        // Tables that another frame still reads are not overwritten. Incompletely filled tables are not kept.
-        let before = lock(&scene.shadow_tables).take().and_then(Arc::into_inner);
-        let mut tables = match before.filter(fits) {
-            Some(before) => before,
-            None => self.gpu.checked(|| Ok(Tables::new(&self.gpu, format, size))).await?,
-        };
-        for (index, layer) in
-            layers.iter().enumerate().filter(|(index, layer)| tables.layers.get(*index) != Some(layer))
-        {
-            self.fill(scene, &tables.texture, index as u32, layer, options, &mut work).await?;
-        }
-        tables.layers = layers;
-        let filled = Arc::new(tables);
-        *lock(&scene.shadow_tables) = Some(filled.clone());
-        Ok(Some((filled, work)))
+/// Returns the tables that a frame queries, after filling missing ones; `None` if it queries none. `scene` has the
+/// scene's resources, and `kept` the tables of the last frame.
+pub(crate) async fn tables(
+    (gpu, kernels): (&Gpu, &Kernels),
+    casters: &Casters<'_>,
+    scene: &Resources,
+    kept_tables: &Kept,
+    options: &Options,
+) -> Result<Option<(Arc<Tables>, ShadowBufferWork)>, Error> {
+    let Some(buffer) = options.shadow_buffer.filter(|_| casters.reading(options).is_some()) else {
+        return Ok(None);
+    };
+    let format = format_of(&buffer);
+    let size = Tables::size(gpu, &buffer, casters.lights().count())?;
+    let layers = casters.layers(&buffer);
+    let mut work = ShadowBufferWork { bytes: Tables::bytes(format, size), ..Default::default() };
+    let fits = |kept: &Tables| kept.texture.0.size() == size && kept.texture.0.format() == format;
+    let kept = lock(kept_tables).clone();
+    if let Some(kept) = kept.filter(|kept| fits(kept) && kept.layers == layers) {
+        return Ok(Some((kept, work)));
     }
+    // Tables that another frame still reads are not overwritten. Incompletely filled tables are not kept.
+    let before = lock(kept_tables).take().and_then(Arc::into_inner);
+    let mut tables = match before.filter(fits) {
+        Some(before) => before,
+        None => gpu.checked(|| Ok(Tables::new(gpu, format, size))).await?,
+    };
+    for (index, layer) in layers.iter().enumerate().filter(|(index, layer)| tables.layers.get(*index) != Some(layer)) {
+        let filling = Filler { gpu, kernels, casters, scene, options };
+        filling.fill(&tables.texture, index as u32, layer, &mut work).await?;
+    }
+    tables.layers = layers;
+    let filled = Arc::new(tables);
+    *lock(kept_tables) = Some(filled.clone());
+    Ok(Some((filled, work)))
+}
 
+/// What filling a layer needs besides the layer.
+#[derive(Clone, Copy)]
+struct Filler<'a> {
+    gpu: &'a Gpu,
+    kernels: &'a Kernels,
+    casters: &'a Casters<'a>,
+    scene: &'a Resources,
+    options: &'a Options,
+}
+
+impl Filler<'_> {
     /// Fills a layer, with a limited number of rows per submission.
     async fn fill(
         &self,
-        scene: &UploadedScene,
         texture: &Texture,
         index: u32,
         layer: &Layer,
-        options: &Options,
         work: &mut ShadowBufferWork,
     ) -> Result<(), Error> {
-        let gpu = &self.gpu;
+        let gpu = self.gpu;
         let Mapping { rows, columns, .. } = layer.mapping;
         // A row that is copied into a texture begins at a multiple of this many bytes.
         let per_row = columns.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / texture.texel());
         let step = (BAND / per_row).clamp(1, rows);
         let begin = || {
             texture.write_head(gpu, index, &layer.mapping);
-            Ok(Filling::new(self, scene, layer, options, u64::from(per_row) * u64::from(step)))
+            Ok(Filling::new(self, layer, u64::from(per_row) * u64::from(step)))
         };
         let filling = gpu.checked(begin).await?;
         for begin in (0..rows).step_by(step as usize) {
@@ -231,17 +258,18 @@ impl Renderer {
 }
 
 impl<'a> Filling<'a> {
-    fn new(renderer: &'a Renderer, scene: &'a UploadedScene, layer: &Layer, options: &Options, texels: u64) -> Self {
-        let gpu = &renderer.gpu;
-        let with = Variant { close: scene.large.any_close_to(&[layer.light]), ..scene.variant };
-        let primitives = scene.drawn().unwrap_or(0);
+    fn new(filler: &Filler<'a>, layer: &Layer, texels: u64) -> Self {
+        let Filler { gpu, kernels, casters, scene, options } = *filler;
+        let with = Variant { close: casters.large.any_close_to(&[layer.light]), ..*casters.variant };
+        let drawn = casters.drawn;
         let indirect = indirect_buffer(gpu);
         let frame = gpu.uniform_buffer("frame", bytemuck::bytes_of(&layout::TableFrame::default()));
         let counters = gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4);
         let t_buffer = gpu.storage_buffer("t_buffer", 8 * texels);
         let texels = layer.margin.map(|_| gpu.storage_buffer("texels", 16 * texels));
-        let drawing = gpu.storage_buffer("drawing", drawing_bytes(primitives));
-        let mut resources = Resources::default()
+        let drawing = gpu.storage_buffer("drawing", drawn.unwrap_or_default().list_bytes());
+        let mut resources = scene
+            .clone()
             .with(Resource::Frame, &frame)
             .with(Resource::Counters, &counters)
             .with(Resource::TBuffer, &t_buffer)
@@ -249,9 +277,8 @@ impl<'a> Filling<'a> {
         if let Some(texels) = &texels {
             resources.set(Resource::Texels, texels);
         }
-        scene.resources(&mut resources);
-        let (kernels, with) = (&renderer.kernels, with.counting(options.count, false));
-        Self { gpu, kernels, with, primitives, frame, counters, t_buffer, texels, drawing, indirect, resources }
+        let with = with.counting(options.count, false);
+        Self { gpu, kernels, with, drawn, frame, counters, t_buffer, texels, drawing, indirect, resources }
     }
 
     /// Returns the buffer that the table's texels are copied from.
@@ -294,8 +321,8 @@ impl<'a> Filling<'a> {
             executor.run(encoder, kernel.name, (kernel, self.with), resources, workgroups);
         };
         let lists = [0, 1, 2].map(|list| Workgroups::Listed(&self.drawing, list));
-        if self.primitives > 0 {
-            run(project, &self.resources, Workgroups::Number(drawing::workgroups(self.primitives)));
+        if let Some(drawn) = self.drawn {
+            run(project, &self.resources, Workgroups::Number(drawn.workgroups()));
             for _ in 0..2 {
                 run(&BEGIN_PASS, &self.resources, Workgroups::Number([1, 1, 1]));
                 for (kernel, list) in
@@ -308,7 +335,7 @@ impl<'a> Filling<'a> {
         let side = WORKGROUP * read.block(&self.with);
         let [x, y] = [layer.mapping.columns, rows.len() as u32].map(|texels| texels.div_ceil(side));
         run(read, &self.resources, Workgroups::Number([x, y, 1]));
-        if let Some(texels) = self.texels.as_ref().filter(|_| self.primitives > 0) {
+        if let Some(texels) = self.texels.as_ref().filter(|_| self.drawn.is_some()) {
             // The marking kernels write to the finished texels instead of the T-buffer.
             let resources = self.resources.clone().with(Resource::TBuffer, texels);
             for (kernel, list) in [&MARK_FEW_TEXELS, &MARK_MORE_TEXELS, &MARK_PARTS_TEXELS].into_iter().zip(lists) {

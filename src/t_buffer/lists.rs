@@ -1,4 +1,4 @@
-//! Sizes of a T-buffer's lists, and the size of the dispatch over primitives.
+//! Primitives that are drawn, the sizes of their lists, and the size of the dispatch over them.
 
 use crate::{
     gpu::Gpu,
@@ -20,29 +20,34 @@ const PARTS_IN_ROW: u32 = 512;
 /// Number of workgroups in a row of the dispatch over primitives.
 const PROJECTED_ACROSS: u32 = 1024;
 
-/// Returns the size of the lists for this many primitives, in bytes.
-pub(crate) fn drawing_bytes(primitives: u32) -> u64 {
-    DRAWING_HEAD + ENTRIES * u64::from(primitives) + PART * u64::from(FURTHER_PARTS)
-}
+/// Number of primitives of a scene that are drawn: all except planes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Drawn(u32);
 
-/// Returns the number of primitives of a scene that are drawn. Returns `None` if their lists do not fit one binding, or
-/// if the scene has no tree.
-pub(crate) fn drawn(primitives: u32, with: &Variant, gpu: &Gpu) -> Option<u32> {
-    let primitives = primitives - with.planes;
-    let most = u64::from(PARTS_IN_ROW) * u64::from(gpu.limits.max_compute_workgroups_per_dimension);
-    let fits = primitives <= MOST_PRIMITIVES
-        && drawing_bytes(primitives) <= gpu.binding_limit()
-        && u64::from(primitives + FURTHER_PARTS) <= most;
-    if !fits {
-        log::info!("{primitives} primitives are too many for a T-buffer's lists: falling back to rays");
+impl Drawn {
+    /// Returns `None` if the primitives' lists do not fit one binding, or if the scene has no tree.
+    pub(crate) fn of(primitives: u32, with: &Variant, gpu: &Gpu) -> Option<Self> {
+        let drawn = Self(primitives - with.planes);
+        let most = u64::from(PARTS_IN_ROW) * u64::from(gpu.limits.max_compute_workgroups_per_dimension);
+        let fits = drawn.0 <= MOST_PRIMITIVES
+            && drawn.list_bytes() <= gpu.binding_limit()
+            && u64::from(drawn.0 + FURTHER_PARTS) <= most;
+        if !fits {
+            log::info!("{} primitives are too many for a T-buffer's lists: falling back to rays", drawn.0);
+        }
+        (fits && with.has_tree()).then_some(drawn)
     }
-    (fits && with.has_tree()).then_some(primitives)
-}
 
-/// Returns the workgroups of a dispatch with one thread per primitive.
-pub(crate) fn workgroups(primitives: u32) -> [u32; 3] {
-    let all = primitives.div_ceil(LIST_WORKGROUP);
-    [all.min(PROJECTED_ACROSS), all.div_ceil(PROJECTED_ACROSS), 1]
+    /// Returns the size of the lists in bytes.
+    pub(crate) fn list_bytes(self) -> u64 {
+        DRAWING_HEAD + ENTRIES * u64::from(self.0) + PART * u64::from(FURTHER_PARTS)
+    }
+
+    /// Returns the workgroups of a dispatch with one thread per primitive.
+    pub(crate) fn workgroups(self) -> [u32; 3] {
+        let all = self.0.div_ceil(LIST_WORKGROUP);
+        [all.min(PROJECTED_ACROSS), all.div_ceil(PROJECTED_ACROSS), 1]
+    }
 }
 
 #[cfg(test)]
@@ -65,7 +70,7 @@ mod tests {
     #[test]
     fn each_primitive_gets_a_thread() {
         for primitives in [1, 64, 65, 65_535, 65_536, 65_537, 1_000_000, 34_000_000] {
-            let [x, y, z] = workgroups(primitives);
+            let [x, y, z] = Drawn(primitives).workgroups();
             let threads = u64::from(x) * u64::from(y) * u64::from(z) * u64::from(LIST_WORKGROUP);
             let more = threads - u64::from(primitives);
             assert!(

@@ -5,7 +5,8 @@ use glam::{Vec2, Vec3};
 
 use super::*;
 use crate::{
-    Builtin, Light, Material, MaterialId, Mesh, Method, Plane, Scene, Sphere, StereoCamera, Texture as Picture,
+    Builtin, Light, Material, MaterialId, Mesh, Method, Plane, Renderer, Scene, Sphere, StereoCamera,
+    Texture as Picture, UploadedScene,
     random::Random,
     testing::cpu::{intersect::closest_hit, shadow_buffer::fill},
 };
@@ -75,7 +76,7 @@ fn scene(planes: bool, seed: u32) -> Scene {
 
 fn tables_of(renderer: &Renderer, uploaded: &UploadedScene, rows: u32, rule: ShadowRule) -> Arc<Tables> {
     let options = Options::new(Method::Naive).shadow_buffer(ShadowBuffer::new(rows).rule(rule));
-    pollster::block_on(renderer.shadow_tables(uploaded, &options)).unwrap().unwrap().0
+    pollster::block_on(uploaded.shadow_tables(&renderer.kernels, &options)).unwrap().unwrap().0
 }
 
 /// Returns the number of texels of all lights that show another primitive than brute force finds, and the number of all
@@ -214,7 +215,7 @@ fn a_table_is_kept_until_its_light_moves_or_the_scene_does() {
     let mut uploaded = renderer.upload(&scene).wait().unwrap();
     let options = Options::new(Method::Naive).shadow_buffer(ShadowBuffer::new(20));
     let filled = |uploaded: &UploadedScene, options: &Options| {
-        let (tables, work) = pollster::block_on(renderer.shadow_tables(uploaded, options)).unwrap().unwrap();
+        let (tables, work) = pollster::block_on(uploaded.shadow_tables(&renderer.kernels, options)).unwrap().unwrap();
         let counts = tables.layers.iter().map(|layer| u64::from(layer.mapping.rows * layer.mapping.columns));
         (work.filled, counts.collect::<Vec<_>>())
     };
@@ -252,7 +253,7 @@ fn lights_that_have_no_table_are_left_out() {
     scene.lights = (0..40).map(point).collect();
     scene.lights[0] = Light::sphere(Vec3::Y, 0.5, Vec3::ONE);
     let options = Options::new(Method::Naive).shadow_buffer(ShadowBuffer::new(4));
-    let reading = |scene: &Scene| renderer.upload(scene).wait().unwrap().shadow_reading(&options);
+    let reading = |scene: &Scene| renderer.upload(scene).wait().unwrap().casters().reading(&options);
     assert_eq!(reading(&scene).unwrap().lights, 0x1fffe);
     scene.lights.iter_mut().take(16).for_each(|light| *light = Light::sphere(Vec3::Y, 0.5, Vec3::ONE));
     assert_eq!(reading(&scene).unwrap().lights, 0xffff_0000);
