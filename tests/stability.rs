@@ -1,11 +1,12 @@
-//! Tests the stability benchmark's figure for a film: flicker.
+//! Tests flicker, the stability benchmark's figure for a film.
 
 #[path = "../benches/stability/flicker.rs"]
 mod flicker;
 
 use crate::flicker::Flicker;
 
-/// Returns a frame of black pixels. Pixels with an `x` differ by one step of red, those with an `a` in alpha only.
+/// Returns a frame of black pixels. At an `x`, the pixel differs by one step of red. At an `a`, it differs in alpha
+/// only.
 fn frame(pattern: &str) -> Vec<[u8; 4]> {
     let pixel = |mark| match mark {
         'x' => [1, 0, 0, 255],

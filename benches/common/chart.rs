@@ -129,7 +129,7 @@ impl<'a, 'b> Legend<'a, 'b> {
         Ok(())
     }
 
-    /// Adds the scenes with the colours of their indices.
+    /// Adds an entry for each scene, in the colour of the scene's index.
     pub fn scene_colors<'c>(&mut self, names: impl IntoIterator<Item = &'c str>) -> Drawn {
         self.head("scene")?;
         for (place, name) in names.into_iter().enumerate() {
@@ -141,7 +141,7 @@ impl<'a, 'b> Legend<'a, 'b> {
         Ok(())
     }
 
-    /// Adds the scenes with their numbers, from 1, which stand in the methods' markers.
+    /// Adds an entry for each scene with its number, counted from 1. Methods' markers contain these numbers.
     pub fn scene_numbers<'c>(&mut self, names: impl IntoIterator<Item = &'c str>) -> Drawn {
         self.head("scene")?;
         for (place, name) in names.into_iter().enumerate() {
@@ -187,8 +187,8 @@ pub struct Panel<'a> {
     pub y: &'a str,
 }
 
-/// Draws axes and grid, and returns a function from points to pixels. Errors are percentages on a logarithmic axis;
-/// zero has a row of its own.
+/// Draws axes and grid, and returns a function from points to pixels. Errors are percentages on a logarithmic axis.
+/// Zero has a separate row.
 pub fn axes(
     root: &Area<'_>,
     points: &[Point],
@@ -236,7 +236,7 @@ pub fn axes(
 /// A logarithmic scale with one row per decade. Zero is one row below the lowest decade.
 #[derive(Clone, Copy)]
 struct LogScale {
-    /// Decimal logarithms of the ends.
+    /// Decimal logarithms of the scale's ends.
     lowest: f64,
     highest: f64,
 }
@@ -260,7 +260,7 @@ impl LogScale {
         self.lowest - 0.5
     }
 
-    /// Returns a number of labels that gives each row its own.
+    /// Returns a number of labels that is large enough for one label per row.
     fn labels(self) -> usize {
         (self.highest - self.lowest) as usize + 3
     }

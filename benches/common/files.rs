@@ -1,4 +1,4 @@
-//! Files that are written completely or not at all.
+//! Writes files completely or not at all.
 
 use std::{
     error::Error,
@@ -8,13 +8,13 @@ use std::{
 
 use stereotrace::output::Batch;
 
-/// Returns the repository's folder, for the benches of either package.
+/// Returns the repository's folder. The benchmarks of both packages use it.
 pub fn root() -> &'static Path {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     if package.ends_with("studies") { package.parent().unwrap_or(package) } else { package }
 }
 
-/// Writes files of these names and texts. No file gets its final name before all are written.
+/// Writes these texts to files with these names. No file gets its final name before all files are written.
 pub fn save(files: &[(String, String)], folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut batch = Batch::new();

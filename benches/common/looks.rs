@@ -1,4 +1,5 @@
-//! Looks: colour, marker and dash pattern by number. A method has the same look in every chart and on every page.
+//! Defines looks: a colour, a marker and a dash pattern by number. A method has the same look in every chart and on
+//! every page.
 
 use plotters::prelude::*;
 
@@ -73,8 +74,8 @@ const SHAPES: [&[Pixel]; 13] = [
 /// Radius of the circle.
 const RADIUS: i32 = 6;
 
-/// Returns the number of a method's look. A name that is not in the list gets a number from its letters, so its look is
-/// the same everywhere too.
+/// Returns the number of a method's look. A name that is not in the list gets a number that depends only on its
+/// letters, so its look is also the same everywhere.
 pub fn of_method(name: &str) -> usize {
     let by_letters = || name.bytes().fold(0, |sum: usize, letter| (31 * sum + usize::from(letter)) % 101);
     METHODS.iter().position(|method| *method == name).unwrap_or_else(|| METHODS.len() + by_letters())

@@ -1,4 +1,5 @@
-//! Measures one scene: rounds in which every method is timed, and a counting render of each for work and accuracy.
+//! Measures one scene. Every method is timed in each round, and a separate render with counters gives its work and
+//! accuracy.
 
 use std::{error::Error, time::Instant};
 
@@ -22,9 +23,9 @@ const IDEAL: usize = 1;
 pub struct Plan {
     pub size: [u32; 2],
     pub e_px: f32,
-    /// Number of lights to place; with `None` built-in scenes keep their own.
+    /// Number of lights to place. With `None`, built-in scenes keep their own lights.
     pub lights: Option<usize>,
-    /// Methods. Naive is the first and ideal the second, since the others are compared with them.
+    /// Compared methods. Naive is the first and ideal the second, since the others are compared with them.
     pub methods: Vec<Method>,
     pub warm_ups: usize,
     pub rounds: usize,
@@ -47,16 +48,16 @@ pub struct MethodFigures {
     pub pair_ms: Spread,
     /// Time of a pair by the host's clock in milliseconds. It includes clears, submissions and waits.
     pub wall_ms: f64,
-    /// Time of the left view's pass. Without timestamps it is the time of `Ideal`'s pair in the same round.
+    /// Time of the left view's pass. Without timestamps, the time of `Ideal`'s pair in the same round is used.
     pub left_ms: f64,
     /// Median time of each pass in milliseconds, in their order; empty without timestamps.
     pub passes: Vec<(&'static str, f64)>,
-    /// Cost of the second eye by time, (pair - left) / left.
+    /// Cost of the second eye, from times: (pair - left) / left.
     pub second_eye: Spread,
-    /// Naive pair / pair - 1, from the medians.
+    /// Speed-up over naive: naive's pair time / this pair time - 1, from the medians.
     pub speed_up: f64,
     pub ratio_to_naive: f64,
-    /// Counters, see `Options::count`.
+    /// Counters of the method's work, see `Options::count`.
     pub statistics: Statistics,
     /// Difference of the right view from naive's.
     pub difference: Difference,
@@ -73,12 +74,13 @@ struct Sample {
 }
 
 impl MethodFigures {
-    /// Returns the second eye's cost relative to the first eye's, by counters.
+    /// Returns the second eye's cost relative to the first eye's, in counted box and primitive tests.
     pub fn second_eye_counters(&self) -> f64 {
         self.statistics.second_eye()
     }
 
-    /// Returns the speed-up that the counters predict: naive costs two eyes, this method 1 + m (DESIGN, section 7).
+    /// Returns the speed-up that the counters predict. Naive costs two eyes, and this method 1 + m eyes (DESIGN,
+    /// section 7).
     pub fn speed_up_predicted(&self) -> f64 {
         2.0 / (1.0 + self.second_eye_counters()) - 1.0
     }
@@ -154,7 +156,7 @@ fn pass_medians(samples: &[Sample]) -> Vec<(&'static str, f64)> {
     names.map(|name| (name, Spread::of(of(name).map(|(_, time)| *time)).median)).collect()
 }
 
-/// Returns the left view's time in each round. Without timestamps it is the time of `Ideal`'s pair.
+/// Returns the left view's time in each round. Without timestamps, the time of `Ideal`'s pair is used.
 fn left_times(samples: &[Vec<Sample>], index: usize) -> Vec<f64> {
     let ideal = &samples[IDEAL];
     let own = samples[index].iter().zip(ideal).map(|(sample, ideal)| sample.left.unwrap_or(ideal.pair));

@@ -1,4 +1,4 @@
-//! Shared parts of the command lines.
+//! Parses parts of the command lines that benchmarks share.
 
 /// Parses a picture size such as 600x400.
 pub fn size(text: &str) -> Result<[u32; 2], String> {

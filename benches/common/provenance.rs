@@ -51,12 +51,12 @@ impl Provenance {
     }
 }
 
-/// Appends the mark of a smoke run, if it is one.
+/// Appends the mark of a smoke run if these are its figures.
 pub fn marked(source: String, smoke: bool) -> String {
     if smoke { format!("{source} - {}", SMOKE.to_uppercase()) } else { source }
 }
 
-/// Formats the text above tables.
+/// Formats the text that is printed above tables.
 impl fmt::Display for Provenance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(

@@ -1,5 +1,5 @@
-//! Scenes by name: built-in scenes, trials of the stability suite, and OBJ files under target/scenes. Any scene file
-//! can be given by its path.
+//! Loads scenes by name: built-in scenes, trials of the stability suite, and OBJ files under target/scenes. Any scene
+//! file can be given by its path.
 
 use super::files::root;
 use std::path::{Path, PathBuf};
@@ -27,9 +27,10 @@ pub struct BenchScene {
     pub camera: StereoCamera,
 }
 
-/// Loads the scene of this name, or the scene file at this path. Returns `None` if no scene has the name. A number of
-/// `lights` is placed by the library's rule. Without it scenes keep their own lights, and scenes without any get five.
-/// A file's first camera is used; if it has none, the whole scene fits the picture.
+/// Loads the scene of this name, or the scene file at this path. Returns `None` if no scene has the name. If `lights`
+/// is given, the library's rule places this number of lights. Otherwise scenes keep their own lights, and scenes
+/// without lights get five. The camera is the file's first one. For a file without cameras, the whole scene fits the
+/// picture.
 pub fn load(
     name: &str,
     [width, height]: [u32; 2],
@@ -70,8 +71,8 @@ fn open(path: &Path, [width, height]: [u32; 2]) -> Result<(Scene, StereoCamera),
 }
 
 /// Loads a scene of the thesis with the camera and lights of scenes/thesis.json and a sky. Returns `None` if its file
-/// is missing. `spheres-turned` is one picture of the animation. A given number of `lights` is placed by the library's
-/// rule.
+/// is missing. `spheres-turned` is one picture of the animation. If `lights` is given, the library's rule places this
+/// number of lights.
 pub fn load_thesis(
     name: &str,
     [width, height]: [u32; 2],
@@ -99,8 +100,8 @@ pub fn load_thesis(
     Ok(Some(BenchScene { name: name.into(), scene, camera }))
 }
 
-/// Returns the title of a scene in figures. Meshes have their own names here, since a test's name could suggest a
-/// better-known mesh.
+/// Returns the title of a scene in figures. Meshes have their full names here, since a short name could be mistaken for
+/// a better-known mesh.
 pub fn title(name: &str) -> &str {
     match name {
         "sponza" => "Dabrovic Sponza",

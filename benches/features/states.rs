@@ -1,4 +1,4 @@
-//! Scenes in which each feature is off, unused or on.
+//! Builds scenes in which each feature is off, unused or on.
 
 use stereotrace::{
     AmbientOcclusion, Ellipsoid, Finish, GBuffer, Light, Material, MaterialId, Mesh, Method, Options, Plane, Scene,
@@ -41,8 +41,8 @@ pub(crate) fn terrain(smooth: u32) -> Scene {
     scene
 }
 
-/// Builds the terrain with a separate material on the first `count` triangles. It has texture coordinates if a texture
-/// is given.
+/// Builds the terrain with a separate material on the first `count` triangles. The terrain has texture coordinates if a
+/// texture is given.
 fn with_material(count: usize, texture: Option<Texture>, change: impl Fn(Material) -> Material) -> Scene {
     let plain = terrain(0);
     let mut scene = Scene::new();
@@ -99,7 +99,7 @@ fn with_sky(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Returns all features with their states. The first state of each is off.
+/// Returns all features with their states. In the first state of each feature, it is off.
 pub(crate) fn states(size: [u32; 2]) -> Vec<(&'static str, Vec<Variant>)> {
     let rest = surfaces(size).into_iter().chain(many_rays(size)).chain([("planes", planes(size))]).chain(buffers(size));
     geometry_and_light(size).into_iter().chain(rest).collect()
@@ -190,7 +190,7 @@ fn planes(size: [u32; 2]) -> Vec<Variant> {
     ]
 }
 
-/// Returns the features that replace rays.
+/// Returns the features that replace rays: T-buffers and shadow-buffers.
 fn buffers(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 2] {
     let with = |name, lights: bool, options: &Options| {
         let scene = if lights { with_lights(terrain(0), 4.0, true) } else { terrain(0) };

@@ -1,4 +1,4 @@
-//! Geometry and rays as plain little-endian arrays, for other tracers (scripts/embree.py).
+//! Writes geometry and rays as plain little-endian arrays, which other tracers can read (scripts/embree.py).
 
 use std::{error::Error, fs, path::Path};
 

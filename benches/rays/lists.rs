@@ -1,4 +1,4 @@
-//! Ray lists of each kind that occurs in rendering a stereo pair.
+//! Makes lists of every kind of ray that rendering a stereo pair traces.
 
 use stereotrace::testing::random;
 
@@ -17,7 +17,7 @@ pub(crate) enum Query {
     Any,
 }
 
-/// Rays of one kind, in lists that are traced one after the other.
+/// Rays of one kind, in lists that are traced one after another.
 pub(crate) struct Kind {
     pub(crate) name: &'static str,
     pub(crate) query: Query,

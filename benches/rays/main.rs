@@ -1,9 +1,9 @@
 //! Measures millions of rays per second, by scene and kind of ray: `cargo bench --bench rays`.
 //!
 //! The library's traversal on the adapter is compared with obvhs's traversal on all cores. They take turns in
-//! interleaved rounds whose order rotates, and their hits are compared too. Times are of tracing alone, without ray
-//! lists and read-back. `--variants` includes every variant of the traversal. `--dump DIR` writes geometry and rays for
-//! scripts/embree.py.
+//! interleaved rounds whose order rotates, and their hits are compared too. Times cover the traversal alone, without
+//! the transfer of rays and hits. `--variants` includes every variant of the traversal. `--dump DIR` writes geometry
+//! and rays for scripts/embree.py.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -120,7 +120,7 @@ fn measure(
     }
     let uploaded = devices.iter().map(|device| device.renderer.upload(scene).wait()).collect::<Result<Vec<_>, _>>()?;
     for kind in kinds.iter().filter(|kind| kind.rays() > 0) {
-        // Shadow rays are traced by obvhs from either end, and the faster result counts.
+        // Obvhs traces shadow rays in both directions, and the faster result counts.
         let yardsticks = if kind.name == "shadow" { 2 } else { 1 };
         let mut times: Vec<Vec<f64>> = vec![Vec::new(); devices.len() + yardsticks];
         for round in 0..=rounds {
@@ -167,8 +167,8 @@ fn as_t(occluded: Vec<bool>) -> Found {
     occluded.into_iter().map(|occluded| if occluded { 1.0 } else { f32::INFINITY }).collect()
 }
 
-/// Returns seconds and hits on the adapter. Without timestamps the host's clock counts, which includes ray lists and
-/// read-back.
+/// Returns seconds and hits on the adapter. Without timestamps the host's clock is used. The time then includes the
+/// transfer of rays and hits.
 fn on_device(renderer: &Renderer, scene: &UploadedScene, kind: &Kind) -> Result<(f64, Found), stereotrace::Error> {
     let (mut seconds, mut found) = (0.0, Vec::new());
     for rays in &kind.lists {

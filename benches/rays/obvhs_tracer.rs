@@ -63,7 +63,7 @@ impl ObvhsTracer {
         in_parallel(rays, |ray| !self.tree.ray_traverse_miss(of(ray), |ray, index| self.intersect(ray, index)))
     }
 
-    /// Does the same as [`Self::any_hits`], with rays reversed end to end.
+    /// Does the same as [`Self::any_hits`], for rays from their ends to their origins.
     pub(crate) fn any_hits_reversed(&self, rays: &[stereotrace::Ray]) -> Vec<bool> {
         let any = |ray: &stereotrace::Ray| {
             let end = ray.origin.as_vec3() + ray.direction * ray.t_max;

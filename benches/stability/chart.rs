@@ -1,4 +1,4 @@
-//! The chart: pixels that differ against cost, with one point per method and trial.
+//! Draws the chart: pixels that differ against cost, with one point per method and trial.
 
 use std::{cmp::Reverse, error::Error};
 
@@ -24,7 +24,7 @@ pub(crate) fn svg(rows: &[Row], plan: &Plan, provenance: &Provenance) -> Result<
             Some((method, (figures.second_eye, figures.difference.differing_percent)))
         })
         .collect();
-    // Methods with equal pictures and costs have the same position. The first method is drawn last.
+    // Methods with equal pictures and costs have the same position. The first method is drawn last, above the others.
     points.sort_by_key(|(method, _)| Reverse(*method));
     let [width, height] = plan.size;
     let title = format!("Stability: {} trials, {width}x{height}", plan.trials.len());

@@ -1,4 +1,4 @@
-//! The film: spheres that turn once, with each frame rendered by every method.
+//! Renders the film. Its spheres turn once, and every method renders each frame.
 
 use std::f32::consts::TAU;
 

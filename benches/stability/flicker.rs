@@ -1,4 +1,4 @@
-//! Flicker: errors that come and go from frame to frame. Viewers notice them sooner than lasting errors.
+//! Measures flicker: errors that come and go from frame to frame. Viewers notice them sooner than lasting errors.
 
 /// Tracks a method's errors through a film.
 #[derive(Default)]

@@ -1,10 +1,10 @@
 //! Tests the methods on hard scenes and on a film: `cargo bench --bench stability`.
 //!
-//! Everything is counted and nothing is timed, so any machine will do. Two tables are printed in Markdown. The first
-//! has cost and accuracy on every trial, and is written as `results.csv` and `results.json`. The second has the flicker
-//! in the film of turning spheres, and is written as `flicker.csv`. The chart is `stability.svg`. The files are written
-//! all together or not at all. `cargo bench --bench stability -- --help` lists the options; `cargo test --benches` runs
-//! it as `--smoke`.
+//! The benchmark only counts and measures no times, so the results do not depend on the machine. Two tables are printed
+//! in Markdown. The first contains cost and accuracy on every trial, and is written as `results.csv` and
+//! `results.json`. The second contains the flicker in the film of turning spheres, and is written as `flicker.csv`. The
+//! chart is `stability.svg`. Either all files are written, or none. `cargo bench --bench stability -- --help` lists the
+//! options; `cargo test --benches` runs it as `--smoke`.
 
 mod chart;
 #[path = "../common/mod.rs"]

@@ -1,4 +1,4 @@
-//! The result files: results.csv, results.json, flicker.csv and stability.svg.
+//! Writes the result files: results.csv, results.json, flicker.csv and stability.svg.
 
 use std::{
     error::Error,

@@ -1,4 +1,4 @@
-//! The printed tables, in Markdown.
+//! Formats the printed tables, in Markdown.
 
 use std::fmt::Write;
 

@@ -17,7 +17,7 @@ pub(crate) struct Row {
     pub(crate) figures: Result<Figures, String>,
 }
 
-/// Cost by counters, and accuracy against naive.
+/// Cost in counted box and primitive tests, and accuracy against naive.
 pub(crate) struct Figures {
     /// Cost of the right view, relative to the left view.
     pub(crate) second_eye: f64,
@@ -52,7 +52,7 @@ pub(crate) fn measure(renderer: &mut Renderer, trial: Trial, plan: &Plan) -> Vec
     plan.methods.iter().zip(figures).map(|(&method, figures)| Row { trial, method, figures }).collect()
 }
 
-/// Returns the cost of both eyes, by counters.
+/// Returns the cost of both eyes, in counted box and primitive tests.
 fn cost(pair: &StereoPair) -> f64 {
     (pair.statistics.left.cost() + pair.statistics.right.cost()) as f64
 }

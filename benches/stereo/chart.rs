@@ -1,5 +1,5 @@
-//! The chart: accuracy by colours and by surfaces against cost, with one point per method and scene. A line shows the
-//! frontier of the methods' means.
+//! Draws the chart: errors of colours and of surfaces against cost, with one point per method and scene. A line shows
+//! the frontier of the methods' means.
 
 use std::error::Error;
 
@@ -22,7 +22,7 @@ const COST: &str = "cost of the second eye by time (first eye = 1)";
 /// An error in percent.
 type Percent = fn(&Difference) -> f64;
 
-/// A method on a scene: its point, and its minimum and maximum cost over the rounds.
+/// A method on a scene: its point in the chart, and its minimum and maximum cost over the rounds.
 #[derive(Clone, Copy)]
 struct Placed {
     point: Point,
@@ -66,7 +66,7 @@ fn draw(root: &Area<'_>, panel: &Panel<'_>, scenes: &[Vec<Placed>], looks: &[usi
     // The axes must include the bars' ends and the means, since a mean can be below all nonzero errors.
     let ends = scenes.iter().flatten().map(|placed| (placed.costs[1], placed.point.1));
     let place = axes(root, &ends.chain(means.iter().copied()).collect::<Vec<_>>(), panel)?;
-    // In the row of zero the methods would hide each other, so each has its own height there.
+    // In the row of zero, methods would hide each other, so each method is drawn at its own height there.
     let exact: Vec<usize> =
         (0..means.len()).filter(|&method| points.iter().any(|scene| scene[method].1 <= 0.0)).collect();
     let place = |method: usize, point: Point| {

@@ -1,8 +1,8 @@
 //! Compares the methods in time, accuracy and counted work, scene by scene: `cargo bench --bench stereo`.
 //!
-//! Times are of the passes alone, without upload and read-back. All methods take turns in one run, in an order that
-//! rotates from round to round. Tables are printed, and `results.csv`, `results.json` and `chart.svg` are written all
-//! together or not at all. `cargo bench --bench stereo -- --help` lists the options; `cargo test --benches` runs it as
+//! Times cover the passes alone, without upload and read-back. All methods take turns in one run, in an order that
+//! rotates from round to round. Tables are printed. `results.csv`, `results.json` and `chart.svg` are either all
+//! written, or none. `cargo bench --bench stereo -- --help` lists the options; `cargo test --benches` runs it as
 //! `--smoke`.
 
 mod chart;

@@ -1,4 +1,4 @@
-//! The command line, and the plan made from it.
+//! Parses the command line, and makes the plan of the benchmark from it.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! The result files: results.csv, results.json and chart.svg.
+//! Writes the result files: results.csv, results.json and chart.svg.
 
 use std::{
     error::Error,
@@ -36,7 +36,7 @@ pub(crate) fn write_all(
     save(&files.map(|(name, text)| (name.to_owned(), text)), folder)
 }
 
-/// Returns the record of one method on one scene. Counts and rays are of both eyes.
+/// Returns the record of one method on one scene. Counts and rays are summed over both eyes.
 fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &Provenance) -> Record {
     let (statistics, difference) = (&figures.statistics, &figures.difference);
     let (left, right) = (&statistics.left, &statistics.right);

@@ -1,4 +1,4 @@
-//! The printed tables.
+//! Formats the printed tables.
 
 use std::fmt::Write;
 
@@ -30,8 +30,8 @@ pub(crate) fn of(measured: &Measured, plan: &Plan, provenance: &Provenance) -> S
     text
 }
 
-/// Formats the times. The second eye's cost is (pair - left) / left, by time and by counters. "Predicted" is the
-/// speed-up that the counters predict.
+/// Formats the times. The second eye's cost is (pair - left) / left, from times and from counted box and primitive
+/// tests. "Predicted" is the speed-up that the counts predict.
 fn time(measured: &Measured) -> String {
     let head = [
         "time",
@@ -49,7 +49,7 @@ fn time(measured: &Measured) -> String {
     ];
     table(measured, head, |figures| {
         let (speed_up, predicted) = (figures.speed_up, figures.speed_up_predicted());
-        // Naive is the reference; its own prediction is noise about 0.
+        // Naive is the reference, so its own prediction is 0 up to noise.
         let share = if predicted > 0.05 { format!("{:.2}", speed_up / predicted) } else { "-".into() };
         [
             figures.method.to_string(),
@@ -68,8 +68,8 @@ fn time(measured: &Measured) -> String {
     })
 }
 
-/// Formats the right view's difference from naive's. "Of surfaces" means of the pixels in which either view shows a
-/// surface.
+/// Formats the right view's difference from naive's. Columns "of surfaces" only consider pixels in which either view
+/// shows a surface.
 fn accuracy(measured: &Measured) -> String {
     let head = [
         "accuracy",
@@ -96,7 +96,7 @@ fn accuracy(measured: &Measured) -> String {
     })
 }
 
-/// Formats the counts of both eyes, which are the same on every machine.
+/// Formats the counts of both eyes. They are the same on every machine.
 fn work(measured: &Measured, plan: &Plan) -> String {
     let head = [
         "counts",

@@ -21,7 +21,7 @@ const STEPS: u64 = 10_000;
 
 pub(crate) struct Progress {
     bar: Option<ProgressBar>,
-    /// Whether to write plain lines.
+    /// Whether to write plain lines in place of a bar.
     plain: bool,
     begin: Instant,
     last: Instant,

@@ -1,4 +1,4 @@
-//! `stereotrace dataset`: pairs with ground truth, as loaders expect them.
+//! Tests `stereotrace dataset`, which renders pairs with ground truth in the layouts that loaders expect.
 
 mod common;
 
@@ -13,7 +13,7 @@ use serde_json::Value;
 
 const SMALL: [&str; 6] = ["dataset", "builtin:hall", "--size", "48x36", "--lights", "1"];
 
-/// All files below a folder, by their names from there.
+/// Returns the contents of all files below a folder, by their paths relative to it.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -39,7 +39,8 @@ fn a_data_set_goes_on_where_it_stopped_and_each_pair_can_be_made_alone() {
     let expected = files(folder.file("whole").as_ref());
     assert_eq!(expected.len(), 3 * 10 + 1, "{:?}", expected.keys());
 
-    // The last one first, then what a killed process leaves: a line without its end, a pair without one of its files.
+    // The last pair is rendered first. Then the folder gets the state that a killed process leaves: an incomplete line,
+    // and a pair without one of its files.
     assert!(make(&["--out", &parts, "--items", "2..3"]).starts_with("1 pair in "));
     assert!(make(&["--out", &parts, "--items", "0..1"]).starts_with("1 pair in "));
     let manifest = folder.file("parts/manifest.jsonl");
@@ -63,7 +64,7 @@ fn a_data_set_goes_on_where_it_stopped_and_each_pair_can_be_made_alone() {
     assert!(error_of(&[&SMALL[..], &["--pairs", "3", "--items", "1..4", "--out", &parts]].concat()).contains("has 3"));
 }
 
-/// The values of a PFM file of one channel and this width, top row first.
+/// Returns the values of a PFM file with one channel and this width, top row first.
 fn pfm(path: &Path, width: usize) -> Vec<f32> {
     let bytes = fs::read(path).unwrap();
     let lines: Vec<_> = bytes.splitn(4, |&byte| byte == b'\n').collect();
@@ -98,14 +99,14 @@ fn middlebury_has_parallel_cameras_and_no_label_that_its_loaders_turn_round() {
             assert_eq!(disparity[index] == f32::INFINITY, sky[index] == 255);
             assert_eq!(nocc[index] == 0, sky[index] == 255);
             if sky[index] == 0 {
-                // Middlebury: a search from 0 to ndisp - 1 is enough.
+                // By Middlebury's format, a search from 0 to ndisp - 1 finds every disparity.
                 assert!(disparity[index] > 0.0 && disparity[index] <= value("ndisp") - 1.0, "{}", disparity[index]);
             }
         }
     }
     assert_eq!(value("doffs"), 0.0);
 
-    // Converged cameras are to be asked for, and must have all disparities above 0.
+    // Cameras converge only on request, and all their disparities must then be above 0.
     let negative = make("converged", &["--screen", "1"]);
     let said = String::from_utf8(negative.stderr).unwrap();
     assert!(!negative.status.success() && said.contains("absolute value of a disparity"), "{said}");
@@ -174,7 +175,7 @@ fn kitti_and_scene_flow_have_parallel_cameras() {
 fn a_pair_that_can_not_be_made_is_said_and_stops_no_other() {
     let folder = Folder::new("failed");
     let out = folder.file("out").to_str().unwrap().to_owned();
-    // Nothing in the hall is so far from everything.
+    // No place in the hall is this far from all surfaces.
     let command = [&SMALL[..], &["--pairs", "2", "--clearance", "1000", "--out", &out]].concat();
     let message = error_of(&command);
     assert!(

@@ -1,4 +1,5 @@
-//! Signals to `stereotrace sequence` and `dataset`: they end between two pairs, and the next run goes on from there.
+//! Tests signals to `stereotrace sequence` and `dataset`. A run ends between two pairs, and the next run continues from
+//! there.
 #![cfg(unix)]
 
 mod common;
@@ -14,10 +15,10 @@ use std::{
 use common::{folder::Folder, printed};
 use serde_json::Value;
 
-/// What catches a hang; nothing here takes nearly as long.
+/// Maximum time to wait for an event, so that a hang becomes a failure. All events here need much less time.
 const DEADLINE: Duration = Duration::from_secs(60);
 
-/// The command as it runs; a test that fails leaves none behind.
+/// A running command. It is killed if its test fails.
 struct Run(Option<Child>);
 
 impl Drop for Run {
@@ -55,13 +56,14 @@ fn end_of(mut run: Run) -> Output {
     run.0.take().unwrap().wait_with_output().unwrap()
 }
 
-/// All files below a folder.
+/// Returns the paths of all files below a folder.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
-/// Sees to it that a run ended by a signal: it says so after how many pairs, which it returns.
+/// Checks that a signal ended the run and that the message says so. Returns the number of finished pairs in the
+/// message.
 #[track_caller]
 fn interrupted(output: &Output, of: u32) -> usize {
     let said = String::from_utf8_lossy(&output.stderr);
@@ -83,7 +85,7 @@ fn a_sequence_ends_after_the_picture_at_hand_and_goes_on_later() {
     wait_for("a picture", || out.join("left_0001.png").is_file());
     send("INT", &child);
     let done = interrupted(&end_of(child), 9999);
-    // Three pictures of each pair and the record; nothing temporary.
+    // The folder has three pictures per pair and the record, but no temporary files.
     assert!(done >= 2);
     let found = files(&out);
     assert_eq!(found.len(), 3 * done + 1, "{found:?}");
@@ -124,7 +126,7 @@ fn a_data_set_ends_after_the_pair_at_hand_and_goes_on_later() {
 fn a_second_signal_does_not_wait_for_the_picture() {
     let folder = Folder::new("interrupted_twice");
     let out = folder.file("film");
-    // A picture that takes minutes in software.
+    // In software, one picture of this size takes minutes.
     let large = ["--size", "4096x4096", "--lights", "50", "--samples", "64"];
     let command = [&["sequence", "builtin:hall", "--orbit", "9", "--out", out.to_str().unwrap()], &large[..]].concat();
     let child = start(&command);

@@ -1,4 +1,4 @@
-//! `stereotrace render`: what it writes and what it says.
+//! Tests the files and messages of `stereotrace render`.
 
 mod common;
 
@@ -12,7 +12,7 @@ use common::{ESCAPED, STEERING, error_of, folder::Folder, printed, run};
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 const SMALL: [&str; 3] = ["render", "--size", "16x12"];
 
-/// A file of one triangle, and a folder to write into.
+/// Writes a scene file with one triangle. Returns its path and the path of an output folder.
 fn one_triangle(folder: &Folder) -> [String; 2] {
     [folder.write("one.obj", TRIANGLE), folder.file("out")].map(|path| path.to_str().unwrap().to_owned())
 }
@@ -36,7 +36,7 @@ fn out_is_a_picture_or_a_folder() {
     assert_eq!(names, ["anaglyph.png", "left.png", "right.png", "top-bottom.png"]);
     let left = |name: &str| image::open(folder.file(name)).unwrap().into_rgba8();
     assert_ne!(left("all/left.png"), left("all/right.png"));
-    // A folder may have any name, also that of a picture.
+    // The name of a folder may also end like the name of a picture.
     fs::create_dir(folder.file("x.png")).unwrap();
     printed(&render(&text("x.png")));
     assert!(folder.file("x.png/left.png").is_file());
@@ -55,7 +55,7 @@ fn out_is_a_picture_or_a_folder() {
     assert!(!folder.file("a.png").exists());
 }
 
-/// A red tetrahedron in one of glass, as files without lights are shown.
+/// Tests a red tetrahedron inside a glass one, in the automatic look of files without lights.
 #[test]
 fn what_stands_in_glass_is_seen() {
     let folder = Folder::new("glass");
@@ -88,11 +88,11 @@ fn what_stands_in_glass_is_seen() {
     assert!(seen > 80 && hidden < seen / 4, "{seen} red pixels, by occlusion {hidden}");
 }
 
-/// What can't be written is said before anything is rendered.
+/// An output path that can't be written is an error before anything is rendered.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_can_not_be_written_is_not_rendered() {
-    // Of a scene that is not there: that is found out later.
+    // The scene does not exist either, which would be found later.
     let message = error_of(&["render", "nothing.obj", "--out", "/proc/pair.png"]);
     assert!(message.starts_with("/proc/pair.png: can't write there: "), "{message}");
 }
@@ -119,7 +119,7 @@ fn samples_are_those_that_are_asked_for() {
     let said = |arguments: &[&str]| printed(&[&command, arguments].concat());
     let fault = |arguments: &[&str]| error_of(&[&command, arguments].concat());
     let text = said(&["--samples", "9", "--filter", "gauss", "--method", "bracket-rays", "--compare"]);
-    // 16x12 pixels of 9 rays each, and one through the centre.
+    // Each of 16x12 pixels has 9 samples and one ray through its centre.
     assert!(text.contains("left          1920 ") && text.contains("100.00% of the right eye identical"), "{text}");
     let text = said(&["--adaptive", "8:3", "--method", "bracket-rays", "--compare"]);
     assert!(text.contains("100.00% of the right eye identical"), "{text}");
@@ -165,7 +165,7 @@ fn textures_outside_the_scenes_folder_are_read_where_the_option_allows_it() {
     assert!(printed(&[&command[..], &["--outside-files", "allow"]].concat()).contains("one: 1 triangle"));
 }
 
-/// What help prints in `[default: …]` can be given as it stands there.
+/// The defaults that help prints in `[default: …]` are valid arguments.
 #[test]
 fn limits_take_the_defaults_that_help_prints() {
     let help = printed(&["render", "--help"]);
@@ -196,7 +196,7 @@ fn a_file_is_flattered_unless_it_is_to_be_plain() {
         line.split_whitespace().nth(1).unwrap().parse::<u32>().unwrap()
     };
     let flattered = said(&["--method", "naive"]);
-    // Four samples a pixel, and one in its centre for depths and ids.
+    // Each pixel has four samples, and one ray through its centre for depths and ids.
     assert!(primary(&flattered) == 16 * 12 * 5 && flattered.contains(", 1 light\n"), "{flattered}");
     let plain = said(&["--method", "naive", "--plain"]);
     assert!(primary(&plain) == 16 * 12 && plain.contains(", 5 lights\n") && !plain.contains("trace_soft"), "{plain}");
@@ -281,7 +281,8 @@ fn quiet_says_nothing_and_json_all() {
     assert!(said["second_eye"].as_f64().unwrap() > 0.0);
 }
 
-/// Built-in cameras have their interaxial in pixels, the parallax at infinity, which parallel cameras have none of.
+/// Built-in cameras define the interaxial in pixels, by the parallax at infinity. Parallel cameras have no parallax at
+/// infinity, so they keep the interaxial in world units.
 #[test]
 fn parallel_cameras_keep_the_interaxial_that_the_camera_had() {
     let folder = Folder::new("parallel");
@@ -295,7 +296,7 @@ fn parallel_cameras_keep_the_interaxial_that_the_camera_had() {
     assert!((interaxial(&["--screen", "inf", "--interaxial", "0.125"]) - 0.125).abs() < 1e-6);
     let message = error_of(&[&command[..], &["--screen", "inf", "--interaxial-px", "3"]].concat());
     assert!(message.contains("give it in world units"), "{message}");
-    // A file's light stands by what the camera looks at, not by the screen.
+    // The light of a file is placed relative to the point that the camera looks at, not relative to the screen.
     let scene = folder.write("triangle.obj", TRIANGLE).to_str().unwrap().to_owned();
     printed(&[&SMALL[..], &[&scene, "--screen", "inf", "--out", &out]].concat());
 }
@@ -307,7 +308,7 @@ fn names_of_files_and_folders_do_not_steer_the_terminal() {
     let [out, file] = ["out", "file"].map(|name| folder.file(name).to_str().unwrap().to_owned());
     folder.write("file", "");
     let gone = format!("{scene}.gone");
-    // The scene's name, and three files written.
+    // The output contains the scene's name and the names of three written files.
     let said = printed(&[&SMALL[..], &[&scene, "--out", &out]].concat());
     let mut texts = vec![(said, 4)];
     let cases: [(&[&str], usize); 4] = [

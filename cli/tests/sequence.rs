@@ -1,4 +1,4 @@
-//! `stereotrace sequence` and `views`: many pictures in one run.
+//! Tests `stereotrace sequence` and `views`, which render many pictures in one run.
 
 mod common;
 
@@ -29,7 +29,7 @@ fn a_sequence_that_was_interrupted_goes_on_where_it_stopped() {
     assert!(said(&[]).contains("; 1 already existed"), "one of the two is not whole");
     assert_eq!(names().len(), 16);
     assert!(said(&[]).starts_with("0 pairs in "));
-    // What other settings made does not pass for these.
+    // Existing pictures with other settings are an error.
     let message = fault(&["--interaxial", "0.3"]);
     assert!(message.contains("left_0000.png: it was made with different files, settings"), "{message}");
     assert!(fault(&["--frames", "3..6"]).contains("the sequence has 5"));
@@ -38,7 +38,7 @@ fn a_sequence_that_was_interrupted_goes_on_where_it_stopped() {
     assert!(said(&["--interaxial", "0.3", "--overwrite", "--frames", "0..1"]).starts_with("1 pair in "));
     assert!(said(&["--interaxial", "0.3"]).starts_with("4 pairs in "));
     assert_ne!(fs::read(folder.file("film/right_0002.png")).unwrap(), second);
-    // Nor do pictures of which nothing is known.
+    // Existing pictures without a record of their settings are an error too.
     fs::remove_file(folder.file("film/sequence.json")).unwrap();
     assert!(fault(&[]).contains("it was made with different"));
 }
@@ -159,7 +159,7 @@ fn a_comparison_says_that_bracket_is_right_and_atomic_nearly() {
 #[test]
 fn info_says_what_there_is_in_a_file_and_where_edges_are_smooth() {
     let folder = Folder::new("info");
-    // Two triangles that meet at 45 degrees.
+    // Two triangles meet at an angle of 45 degrees.
     let obj = "v 0 -1 0\nv 0 1 0\nv -1 0 0\nv 0.7071 0 -0.7071\nf 1 2 3\nf 2 1 4\n";
     let scene = folder.write("roof.obj", obj).to_str().unwrap().to_owned();
     let read = |arguments: &[&str]| {

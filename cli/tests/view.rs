@@ -1,4 +1,4 @@
-//! `stereotrace view`: what it says where no window can be. Windows are those of `scripts/check_view.sh`.
+//! Tests the messages of `stereotrace view` where no window can be opened. `scripts/check_view.sh` tests the window.
 
 mod common;
 

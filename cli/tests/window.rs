@@ -1,4 +1,4 @@
-//! The window of `stereotrace view`, on a display of its own: `sh scripts/check_view.sh`.
+//! Tests the window of `stereotrace view` on a virtual display: `sh scripts/check_view.sh`.
 #![cfg(feature = "view")]
 
 mod common;
@@ -16,10 +16,10 @@ use common::{folder::Folder, printed};
 use image::RgbaImage;
 
 const SIZE: &str = "200x120";
-/// A test ends within this, whatever a window does.
+/// Maximum time that a test waits for the window.
 const PATIENCE: Duration = Duration::from_secs(100);
 
-/// Ends with its test.
+/// A process with a window. It is killed when its test ends.
 struct Window(Child);
 
 impl Drop for Window {
@@ -33,7 +33,7 @@ fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// The largest difference of a channel between two pictures of a size.
+/// Returns the largest difference of any channel between two pictures of the same size.
 fn difference(a: &RgbaImage, b: &RgbaImage) -> u8 {
     assert_eq!(a.dimensions(), b.dimensions());
     a.as_raw().iter().zip(b.as_raw()).map(|(a, b)| a.abs_diff(*b)).max().unwrap()
@@ -43,7 +43,7 @@ fn open(path: &Path) -> RgbaImage {
     image::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).into_rgba8()
 }
 
-/// Runs a command line that `view` printed, but for the file it writes.
+/// Runs a command line that `view` printed, with another output file.
 fn made_again(command: &str, file: &Path) -> RgbaImage {
     let words = Vec::from_iter(command.split_whitespace());
     let [program, words @ .., "--out", _] = &words[..] else { panic!("{command}") };
@@ -131,7 +131,7 @@ fn mouse_and_keys_of_a_display_do_what_they_say() {
         lines.next().expect("a line").unwrap()
     };
     xdotool(&["search", "--sync", "--onlyvisible", "--name", "hall - stereotrace", "windowfocus", "--sync"]);
-    // Also before anything was rendered: it is written when it is there.
+    // The key also works before anything is rendered. The picture is then written as soon as it is ready.
     let begin = command_of("p");
     assert!(!begin.contains("--eye") && begin.ends_with("hall-001.png"), "{begin}");
     xdotool(&["mousemove", "90", "60", "mousedown", "1", "mousemove", "120", "55", "mouseup", "1"]);
@@ -142,7 +142,7 @@ fn mouse_and_keys_of_a_display_do_what_they_say() {
     assert!(flown.contains("--swap"), "{flown}");
     let written = open(&out.join("hall-003.png"));
     assert_eq!(difference(&made_again(&flown, &again), &written), 0);
-    // What the display itself shows, when that is drawn.
+    // The display must show the same picture once the window is drawn.
     let begun = Instant::now();
     while difference(&framebuffer(written.dimensions()), &written) > 1 {
         assert!(begun.elapsed() < PATIENCE, "{}", difference(&framebuffer(written.dimensions()), &written));
@@ -168,8 +168,9 @@ fn xdotool(arguments: &[&str]) {
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// The top left of what Xvfb shows, which it keeps in a file as X Window Dump: a header of 4-byte words, the highest
-/// byte first, a table of colours of 12 bytes each, and rows of pixels of 4 bytes: blue, green, red and nothing.
+/// Returns the top left part of the picture that Xvfb shows. Xvfb keeps it in a file in the X Window Dump format. The
+/// file has a header of big-endian 4-byte words, a table of colours of 12 bytes each, and rows of 4-byte pixels. The
+/// bytes of a pixel are blue, green, red and an unused byte.
 fn framebuffer((width, height): (u32, u32)) -> RgbaImage {
     let file = env::var_os("STEREOTRACE_FRAMEBUFFER").expect("the file that Xvfb shows");
     let bytes = fs::read(&file).expect("Xvfb's file");

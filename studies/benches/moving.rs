@@ -1,9 +1,9 @@
 //! Measures the cost of updates when an object moves: `cargo bench -p stereotrace-studies --bench moving` prints a
 //! table.
 //!
-//! An object in the built-in hall is moved sideways. The scene is updated by a refit and by a rebuild of its tree, and
-//! uploaded anew. Nodes and primitive tests of a naive pair show the quality of the refitted tree. `cargo bench --bench
-//! moving -- NAME…` selects other objects: built-in scenes, or folders of OBJ files.
+//! An object in the built-in hall is moved sideways. The scene is updated by a refit of its tree, by a rebuild of its
+//! tree, and by a new upload. Nodes and primitive tests of a naive pair show the quality of the refitted tree. `cargo
+//! bench --bench moving -- NAME…` selects other objects: built-in scenes, or folders of OBJ files.
 
 #[path = "../../benches/common/mod.rs"]
 mod common;

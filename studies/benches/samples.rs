@@ -2,8 +2,9 @@
 //! --bench samples` prints tables.
 //!
 //! Naive and bracket take turns at every number of samples in one run. Depths and ids are off, so all rays are samples.
-//! Times are of the passes, as medians of the rounds, without the filter on the host. Counts and pictures are of one
-//! frame each. The error is the right view's root mean square distance from naive's with 64 samples, in linear light.
+//! Times are medians of the rounds. They cover the passes, without the filter on the host. Counts and pictures are
+//! taken from one frame each. The error is the right view's root mean square distance from naive's with 64 samples, in
+//! linear light.
 
 #[path = "../../benches/common/mod.rs"]
 mod common;
@@ -54,7 +55,7 @@ struct Arguments {
 
 /// Parallax at infinity in pixels, for a picture 600 pixels wide.
 const E_PX: f32 = 15.0;
-/// Methods, with the ground truth first.
+/// Compared methods, with the ground truth first.
 const METHODS: [Method; 2] = [Method::Naive, Method::BRACKET];
 /// Number of samples per pixel in the reference picture of the errors.
 const REFERENCE: u32 = 64;

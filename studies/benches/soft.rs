@@ -1,12 +1,12 @@
 //! Measures the cost of soft light and the second eye's accuracy: `cargo bench -p stereotrace-studies --bench soft`
 //! prints a table.
 //!
-//! Naive takes turns with bracket by both rules of `Penumbra` in one run. Times are of the passes, as medians of the
-//! rounds. Errors are the right view's mean and root mean square distance from a converged picture, in linear light.
-//! That picture is the mean of naive's over many seeds with 32 rays each; naive's own error is noise. Counts and errors
-//! are measured at half the width and height. `cargo bench -p stereotrace-studies --bench soft -- NAME…` selects
-//! other scenes: built-in scenes, trials of the stability suite (cables, foliage, …), or folders of OBJ files.
-//! `--counts` leaves out the times, and `--times` leaves out everything else.
+//! Naive and bracket by both rules of `Penumbra` take turns in one run. Times are medians of the rounds and cover the
+//! passes alone. Errors are the right view's mean and root mean square distance from a converged picture, in linear
+//! light. The converged picture is the mean of naive's pictures for many seeds, with 32 rays each. So naive's own error
+//! is noise. Counts and errors are measured at half the width and height. `cargo bench -p stereotrace-studies --bench
+//! soft -- NAME…` selects other scenes: built-in scenes, trials of the stability suite (cables, foliage, …), or folders
+//! of OBJ files. `--counts` leaves out the times, and `--times` leaves out everything else.
 
 #[path = "../../benches/common/mod.rs"]
 mod common;
@@ -159,7 +159,7 @@ fn measure(
         }
         return Ok(());
     }
-    // A quarter of the pixels is enough. Penumbrae are half as wide in them, so this is not an easier case.
+    // A quarter of the pixels is enough. It is not an easier case, since penumbrae are half as many pixels wide.
     let [width, height] = camera.pose()?.size;
     let e_px = camera.pose()?.interaxial_px / 2.0;
     let camera = &camera.size(width / 2, height / 2).interaxial_pixels(e_px);
@@ -185,8 +185,8 @@ fn measure(
     Ok(())
 }
 
-/// Formats an error as a share of naive's. If only light of points arrives, naive has no error; an example is the sky's
-/// light in a hall without windows.
+/// Formats an error as a share of naive's. Naive has no error if all light comes from points. This occurs with the
+/// sky's light in a hall without windows.
 fn of(error: f64, of_naive: f64) -> String {
     if of_naive > 1e-4 { format!("{:.3}", error / of_naive) } else { "-".into() }
 }

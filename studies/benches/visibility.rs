@@ -2,10 +2,10 @@
 //! visibility` prints one table per scene.
 //!
 //! Both ways take turns in one run, at several sizes of one picture. One part of a T-buffer's cost is proportional to
-//! primitives, and another to pixels. By default scenes have no lights, so that little more than first hits is timed.
-//! Times are of the left view's passes, as medians of the rounds. Counts are of one frame each. They are tree nodes
-//! that rays visit or primitives that are projected, and primitive tests. `--rounds 0` prints counts alone, which are
-//! the same on every machine.
+//! primitives, and another part to pixels. By default scenes have no lights, so times mostly cover first hits. Times
+//! are medians of the rounds, of the left view's passes. Counts are taken from one frame each. They are the tree nodes
+//! that rays visit or the primitives that are projected, and the primitive tests. `--rounds 0` prints counts alone,
+//! which are the same on every machine.
 
 #[path = "../../benches/common/mod.rs"]
 mod common;

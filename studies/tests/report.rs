@@ -121,8 +121,8 @@ fn sources_are_shown_with_their_shares_and_records() -> Result<(), Box<dyn Error
         "<b>91.50%</b>",
         "red: shadow rays, at least one: <b>8.50%</b>",
         "<b>99.9993%</b>", // one pixel is not rounded away
-        // The columns are: second eye by time and by counters, re-traced, shadow rays, differing and wrong surface
-        // (each of all pixels and of surfaces), MSE.
+        // The columns are: second eye from times and from counted tests, re-traced, shadow rays, differing and wrong
+        // surface (each of all pixels and of surfaces), MSE.
         "<tr><td>bracket</td><td>fixed spheres</td><td class=\"n\">600x600</td><td class=\"n\">0.454</td><td \
         class=\"n\">0.131</td><td \
          class=\"n\">0.63</td><td class=\"n\">58.00</td><td class=\"n\">0.01</td><td class=\"n\">0.03</td><td \

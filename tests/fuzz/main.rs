@@ -1,15 +1,15 @@
-//! Fuzzes the scene readers: bytes, numbers and pieces of scene files are exchanged at random. Reading must end soon,
-//! in a scene or in an error that names the file. The test takes some seconds. To search for longer, in one format or
-//! all:
+//! Fuzzes the scene readers. Bytes, numbers and pieces of scene files are replaced at random. Reading must end soon,
+//! with a scene or with an error that names the file. The test takes some seconds. To search for longer, in one format
+//! or in all formats:
 //!
 //! ```text
 //! MALLOC_MMAP_THRESHOLD_=65536 MALLOC_TRIM_THRESHOLD_=65536 STEREOTRACE_FUZZ_SECONDS=1200 \
 //!     cargo test --test fuzz gltf -- --nocapture
 //! ```
 //!
-//! With this setting, the memory of each case is measured too (Linux). glibc must give freed memory back to the system,
-//! or the next case's memory is not seen. `STEREOTRACE_FUZZ_CASE=NUMBER` repeats the case with the number that a
-//! failure prints.
+//! With `STEREOTRACE_FUZZ_SECONDS`, the memory of each case is measured too (Linux). The other two settings make glibc
+//! return freed memory to the system. Otherwise the memory of the next case could not be measured.
+//! `STEREOTRACE_FUZZ_CASE=NUMBER` repeats the case with the number that a failure prints.
 #![cfg(all(feature = "obj", feature = "gltf", feature = "ply", feature = "textures"))]
 
 #[allow(dead_code, reason = "the other tests use more of it")]
@@ -34,13 +34,14 @@ use stereotrace::{Limits, MissingTextures, SceneFile, SceneOptions};
 
 /// Default duration per format, if the environment variable is not set.
 const SECONDS: u64 = 2;
-/// Maximum time of a case. Files have a few thousand bytes.
+/// Maximum time to read a case. Files have a few thousand bytes.
 const LONGEST: Duration = Duration::from_secs(10);
-/// Limits on triangles and texture pixels of a case. Their memory depends on the counts, not on the size of the files.
+/// Limits on triangles and texture pixels of a case. The required memory depends on these counts, not on the size of
+/// the files.
 const MOST_TRIANGLES: u64 = 20_000;
 const MOST_PIXELS: u64 = 1 << 16;
-/// Maximum memory of a case beside 20 times the size of its files. It covers that many triangles, the pixels while they
-/// are decoded, and what the allocator keeps.
+/// Maximum memory of a case, in addition to 20 times the size of its files. It covers the maximum number of triangles,
+/// the pixels while they are decoded, and memory that the allocator keeps.
 const MOST_MEMORY: u64 = 24 << 20;
 
 /// The files of a case. The first one is opened.
@@ -90,7 +91,7 @@ fn fuzz(name: &str, seeds: &[Files]) {
         let chosen = below(&mut random, files.len());
         let (name, content) = &mut files[chosen];
         if name.ends_with(".glb") && random.unit() < 0.7 {
-            // The lengths in the file's header stay right.
+            // The lengths in the file's header stay correct.
             let (mut json, mut buffer) = seeds::parts(content);
             mutate(if random.unit() < 0.7 { &mut json } else { &mut buffer }, &mut random);
             *content = gltf::binary(json, &buffer);
@@ -104,7 +105,7 @@ fn fuzz(name: &str, seeds: &[Files]) {
             Ok(_) => scenes += 1,
             Err(error) => {
                 errors += 1;
-                // A message without another path begins with the file's own path.
+                // The message must name a file of the case, unless the file name's extension is unknown.
                 let message = error.to_string();
                 let is_clear = message.contains("fuzz_") || message.starts_with("unknown ending of a scene file");
                 assert!(is_clear && message.len() < 20_000, "{message}");
@@ -175,7 +176,7 @@ const NUMBERS: [&str; 22] = [
 fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     for _ in 0..1 + below(random, 3) {
         let at = below(random, bytes.len().max(1));
-        // Numbers are mutated as often as all else, since a file that is no longer text or JSON tests little.
+        // Half of the mutations change numbers, since a file that is no longer text or JSON tests little.
         match below(random, 12) {
             _ if bytes.is_empty() => bytes.push(0),
             0 => bytes[at] ^= 1 << below(random, 8),
@@ -192,7 +193,7 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
                 bytes.splice(to..to, piece);
             }
             5 => {
-                // This writes a word as binary files have it.
+                // This writes a 4-byte word, as binary files contain.
                 let word = [0u32, 1, 3, 255, 65_536, 0x7fff_ffff, u32::MAX, 0x7f80_0000, 0x7fc0_0000][below(random, 9)];
                 for (place, byte) in bytes[at..].iter_mut().zip(word.to_le_bytes()) {
                     *place = byte;

@@ -1,4 +1,4 @@
-//! Small files that use every feature of their format.
+//! Small files that together use every feature of their format.
 
 use serde_json::json;
 
@@ -83,7 +83,7 @@ pub(crate) fn ply() -> Vec<Files> {
     contents.map(|content| vec![("scene.ply".into(), content)]).into()
 }
 
-/// Returns the JSON and the buffer of a binary file of [`Builder`].
+/// Returns the JSON and the buffer of a binary file that a [`Builder`] made.
 pub(crate) fn parts(file: &[u8]) -> (Vec<u8>, Vec<u8>) {
     let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
     (file[20..20 + length].into(), file[20 + length + 8..].into())
@@ -160,7 +160,7 @@ pub(crate) fn gltf() -> Vec<Files> {
     for light in 0..3 {
         all.node(json!({ "translation": [0, 3, 0], "extensions": { "KHR_lights_punctual": { "light": light } } }));
     }
-    // This file has its buffer in a file beside it.
+    // This file refers to its buffer in a separate file.
     let mut beside = all.clone();
     beside.json["buffers"] = json!([{ "byteLength": all.bytes.len(), "uri": "the%20buffer.bin" }]);
     let mut small = Builder::triangle(json!({}));

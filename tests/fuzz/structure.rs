@@ -1,5 +1,5 @@
-//! Small files whose many parts name one large thing, or which promise much and contain little. Each is made by a rule
-//! with random choices. A separate process reads it, with bounds on memory and time.
+//! Tests small files in which many parts refer to one large item, or which declare much more content than they have.
+//! Each file is made by a rule with random choices. A separate process reads it, with bounds on memory and time.
 
 use std::{
     fmt::Write,
@@ -20,7 +20,7 @@ use crate::{
     status, write,
 };
 
-/// Size of the files, limits on what they may decode to, and maximum reading time.
+/// Size of the files, limits on the decoded triangles and pixels, and maximum time to read a file.
 struct Size {
     bytes: usize,
     triangles: u64,
@@ -31,16 +31,16 @@ struct Size {
 const SMALL: Size = Size { bytes: 64 << 10, triangles: 20_000, pixels: 1 << 16, longest: Duration::from_secs(5) };
 const LARGE: Size = Size { bytes: 1 << 20, triangles: 1 << 18, pixels: 1 << 22, longest: Duration::from_secs(10) };
 
-/// Allowed memory per byte of a file, beside what the file decodes to.
+/// Allowed memory per byte of a file, in addition to the memory of the decoded content.
 const BYTES_PER_BYTE: u64 = 200;
-/// Allowed memory per triangle. A triangle takes some 140 bytes with normals, colours and texture coordinates, twice
-/// while triangles are moved into the scene.
+/// Allowed memory per triangle. A triangle takes some 140 bytes with normals, colours and texture coordinates. It takes
+/// twice as much while triangles are moved into the scene.
 const TRIANGLE_BYTES: u64 = 300;
 /// Allowed memory per pixel while it is decoded.
 const PIXEL_BYTES: u64 = 24;
 /// Memory that the allocator keeps.
 const SPARE_BYTES: u64 = 8 << 20;
-/// Memory at which the system ends the reading process.
+/// Maximum memory of the reading process. The system ends a process that needs more.
 const MOST_KIBIBYTES: u64 = 6 << 20;
 
 /// A rule that makes files of about `Size::bytes` bytes, with a picture of `Size::pixels` pixels.
@@ -97,7 +97,7 @@ fn large_structures() {
     try_all(rounds, &LARGE);
 }
 
-/// Reads the file that the environment names, as the child process of [`try_one`].
+/// Reads the file named by the environment variable, as the child process of [`try_one`].
 #[test]
 #[ignore = "a process of its own, which the tests above start"]
 fn read_one() {
@@ -116,7 +116,7 @@ fn read_one() {
     let started = Instant::now();
     let outcome = match SceneFile::open(&path, &options) {
         Ok(file) => {
-            // Data sets and listings read the content in the same way.
+            // This also tests `content`, which programs call to hash a scene.
             let mut bytes = 0;
             file.scene.content(|piece| bytes += piece.len());
             format!("a scene of {} triangles and {bytes} bytes", file.scene.triangles().len())
@@ -124,7 +124,7 @@ fn read_one() {
         Err(error) => error.to_string(),
     };
     let taken = memory("VmHWM:").saturating_sub(before);
-    // Processor time is used, since other programs don't lengthen it.
+    // Processor time is used, since it does not depend on the load by other programs.
     let time = processor_time().unwrap_or(started.elapsed());
     println!("\nread in {} ms by {taken} bytes: {outcome}", time.as_millis());
 }
@@ -207,8 +207,8 @@ fn reader(path: &Path, size: &Size, output: &Path) -> Command {
     command
 }
 
-/// Returns a square picture with as many pixels as the limit allows, in bands of all alphas. The file has about a
-/// thousandth of the size of its pixels.
+/// Returns a square picture with as many pixels as the limit allows, in bands of every alpha value. The file is about a
+/// thousand times smaller than its pixels.
 fn picture(size: &Size) -> Vec<u8> {
     let side = size.pixels.isqrt() as usize;
     let pixels: Vec<u8> = (0..side).flat_map(|row| [200, (256 * row / side) as u8].repeat(side)).collect();
@@ -230,7 +230,7 @@ fn broken_picture(size: &Size) -> Vec<u8> {
     bytes
 }
 
-/// Returns a name of up to half of the bytes.
+/// Returns a name that takes at most half of the allowed bytes.
 fn long_name(random: &mut Random, size: &Size) -> String {
     let letter = ["a", "é", " x", "\u{1}"][below(random, 4)];
     letter.repeat(((size.bytes / 2) >> below(random, 4)) / letter.len())
@@ -269,7 +269,7 @@ fn obj_long_name(random: &mut Random, size: &Size) -> Files {
     vec![("scene.obj".into(), obj.into())]
 }
 
-/// Makes an OBJ with as many materials as the size allows, and an MTL with these lines for each.
+/// Makes an OBJ with as many materials as the size allows, and an MTL with these lines for each material.
 fn obj_with(size: &Size, lines: impl Fn(usize) -> String) -> Files {
     let (mut obj, mut mtl) = (format!("mtllib scene.mtl\n{CORNERS}"), String::new());
     for number in 0.. {
@@ -357,7 +357,8 @@ fn obj_lines(random: &mut Random, size: &Size) -> Files {
 
 // --- glTF ---
 
-/// Returns the files of a scene: text or binary, with the buffer in a URI, a chunk or a file.
+/// Returns the files of a scene. They are a text file with the buffer in a URI, a binary file, or a text file with the
+/// buffer in a separate file.
 fn file_of(random: &mut Random, builder: &Builder) -> Files {
     match below(random, 3) {
         0 => vec![("scene.gltf".into(), builder.text().into())],
@@ -370,7 +371,7 @@ fn file_of(random: &mut Random, builder: &Builder) -> Files {
     }
 }
 
-/// Returns how many items of `each` bytes fill the bytes that are left.
+/// Returns how many items of `each` bytes fit in the remaining bytes.
 fn count(size: &Size, taken: usize, each: usize) -> usize {
     size.bytes.saturating_sub(taken) / each
 }
@@ -442,7 +443,8 @@ fn gltf_veils(random: &mut Random, size: &Size) -> Files {
     file_of(random, &builder)
 }
 
-/// Adds textures of these images, each at a random place in a material.
+/// Adds a material with a texture for each of these images. All materials use the texture in the same place, which is
+/// chosen at random.
 fn gltf_of_images(random: &mut Random, builder: &mut Builder, images: Vec<Value>) {
     let place = one_of(random, &["baseColorTexture", "metallicRoughnessTexture"]);
     builder.json["samplers"] =
@@ -477,7 +479,7 @@ fn gltf_images(random: &mut Random, size: &Size) -> Files {
     files
 }
 
-/// Makes views of one picture that end at different places behind it.
+/// Makes buffer views that all begin with one picture, and end at different places after it.
 fn gltf_pieces(random: &mut Random, size: &Size) -> Files {
     let mut builder = Builder::triangle(json!({}));
     let picture = picture(size);
@@ -587,7 +589,7 @@ fn gltf_values(random: &mut Random, size: &Size) -> Files {
     gltf_with("accessors", &format!("[{{{key}:[{items}]}}]"))
 }
 
-/// Returns a mesh of as many triangles as fill a quarter of the bytes.
+/// Returns a mesh whose triangles take a quarter of the allowed bytes.
 fn gltf_mesh(size: &Size) -> (Builder, Value) {
     let mut builder = Builder::new();
     let count = size.bytes / 4 / 36;
@@ -708,7 +710,8 @@ fn gltf_lights(random: &mut Random, size: &Size) -> Files {
 
 const VERTICES: &str = "property float x\nproperty float y\nproperty float z\n";
 
-/// Returns a text file with three corners, these lines in its header, and these lines before the face.
+/// Returns a text file with three vertices and one face. `header` and `vertex` are lines of its header. `body` is
+/// placed before the face.
 fn ply(header: &str, vertex: &str, body: &str) -> Files {
     let text = format!(
         "ply\nformat ascii 1.0\nelement vertex 3\n{VERTICES}{vertex}{header}element face 1\nproperty list uchar int \
@@ -735,7 +738,8 @@ fn ply_elements(random: &mut Random, size: &Size) -> Files {
     ply(&elements, "", "0 0 0\n1 0 0\n0 1 0\n")
 }
 
-/// Returns a binary file of 256 vertices with every vertex property, and faces with these counts and corners.
+/// Returns a binary file of 256 vertices, half of the time with every vertex property. `faces` is the number of faces,
+/// `count` the type of their corner counts, and `body` the data of the faces.
 fn binary_ply(random: &mut Random, count: &str, faces: &str, body: &[u8]) -> Files {
     let more = "nx ny nz red green blue u v".split(' ').map(|name| format!("property float {name}\n"));
     let more: String = if random.unit() < 0.5 { more.collect() } else { String::new() };

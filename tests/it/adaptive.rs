@@ -1,5 +1,5 @@
-//! Tests adaptive samples against the recursion over a picture of all samples, and against very many samples. Also
-//! tests which options are refused with them.
+//! Tests adaptive samples against Whitted's recursion over a picture of all samples, and against very many samples.
+//! Also tests which options are refused together with adaptive samples.
 
 use crate::common;
 
@@ -11,8 +11,8 @@ use stereotrace::{
     StereoCamera, UploadedScene, View, blocking::Wait, glam::Vec3,
 };
 
-/// Returns a camera whose pixels stand for the samples at the corners of this camera's pixels, `side` of them per pixel
-/// side.
+/// Returns a camera with one pixel per sample. Its pixels stand for samples at the corners of the given camera's
+/// pixels, with `side` samples along the side of a pixel.
 fn lattice(camera: StereoCamera, side: u32) -> StereoCamera {
     let pose = camera.pose().unwrap();
     let [width, height] = pose.size.map(|pixels| pixels * side);
@@ -20,7 +20,7 @@ fn lattice(camera: StereoCamera, side: u32) -> StereoCamera {
     camera.size(width + 1, height + 1).screen_width(screen_width as f32).interaxial(pose.interaxial)
 }
 
-/// Returns a cell's colour by Whitted's recursion. `all` has a sample for each place that the recursion may ask for.
+/// Returns a cell's colour by Whitted's recursion. `all` has a sample for each place that the recursion may need.
 fn divided(all: &View, [x, y]: [u32; 2], side: u32, tolerance: u8) -> [f64; 3] {
     let corners = [[x, y], [x + side, y], [x, y + side], [x + side, y + side]];
     let places = corners.map(|[x, y]| (y * all.width + x) as usize);
@@ -37,7 +37,7 @@ fn divided(all: &View, [x, y]: [u32; 2], side: u32, tolerance: u8) -> [f64; 3] {
     [0, 1, 2].map(|channel| four.iter().map(|color| color[channel]).sum::<f64>() / 4.0)
 }
 
-/// Tests views that no other view is made from. Only their own samples decide which cells are divided.
+/// Tests views that are not the source of other views, so that only their own samples decide which cells are divided.
 #[test]
 fn a_view_is_what_the_recursion_makes_of_all_samples() {
     let mut renderer = renderer();
@@ -100,20 +100,20 @@ fn bracket_rays_are_naive_to_the_last_bit() {
             assert!(bracket.view.primitive == naive.view.primitive && bracket.view.depth == naive.view.depth);
             let primary = [rays, bracket].map(|view| view.work.rays.primary as f64 / naive.work.rays.primary as f64);
             println!("{levels}, view {index}: {primary:?} of {}", naive.work.rays.primary);
-            // Share of traced primary rays. In a view that is made from another it is 0.04 at most. In the source view,
-            // the corners of divided cells are traced again.
+            // The bounds apply to the share of traced primary rays. In a view that reuses another view, the share is at
+            // most 0.04. In the source view, the corners of divided cells are traced again.
             let bounds = if index == 1 { 1.0..1.5 } else { 0.0..0.08 };
             assert!(primary.iter().all(|share| bounds.contains(share)), "{levels}, view {index}: {primary:?}");
             let shadow = bracket.work.rays.shadow as f64 / naive.work.rays.shadow as f64;
-            // Measured: at most 0.574. Divided cells lie at edges, where shadows are narrow and lights are traced
-            // again.
+            // The measured share is at most 0.574. Divided cells lie at edges. Shadows are narrow there, so lights are
+            // traced again.
             println!("{levels}, view {index}: {shadow:.3} of the shadow rays");
             assert!(index == 1 || shadow < 0.7, "{levels}, view {index}: {shadow}");
         }
     }
 }
 
-/// Root mean square of the difference from a reference, in 8-bit values.
+/// Returns the root mean square difference from a reference, in 8-bit values.
 fn error(view: &View, reference: &[[u8; 4]]) -> f64 {
     let pairs = view.rgba8.iter().flatten().zip(reference.iter().flatten());
     let sum: f64 = pairs.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
@@ -156,11 +156,11 @@ fn the_more_levels_the_nearer_to_64x64_samples_in_both_eyes() {
         let errors = [error(&pair.left, &truth[0]), error(&pair.right, &truth[1])];
         let rays = [pair.statistics.left.rays, pair.statistics.right.rays];
         println!("{levels} levels: off by {errors:?}, {rays:?}");
-        // Measured: the error is 0.40 to 0.48 of the error with one level less.
+        // The measured error is 0.40 to 0.48 times the error with one level less.
         assert!(errors.iter().zip(before).all(|(error, before)| *error < 0.6 * before), "{levels}: {errors:?}");
         before = errors;
     }
-    // Adaptive samples must come as near to the truth as all samples, for a part of the rays.
+    // For comparison, this prints the errors with 64 samples per pixel.
     let all = Options::new(Method::BRACKET).samples(64).g_buffer(GBuffer::None);
     let all = renderer.pair(&uploaded, &camera).options(&all).read().wait().unwrap();
     println!("64 samples: off by {:?}", [error(&all.left, &truth[0]), error(&all.right, &truth[1])]);
@@ -197,7 +197,7 @@ fn rows_are_those_of_the_whole_and_counts_are_of_all_samples() {
         assert_eq!(sum, right.work.nodes + right.work.primitive_tests);
         assert_eq!(right.view.depth.is_empty(), g_buffer == GBuffer::None);
         assert!(right.view.linear.is_empty() && right.source.len() == 301 * 77);
-        // Later frames must not be changed by this one.
+        // A frame with adaptive samples must not change later frames.
         let usual = Options::new(Method::BRACKET);
         let one = renderer.pair(&uploaded, &camera(301, 77)).options(&usual).read().wait().unwrap();
         assert!(g_buffer == GBuffer::None || one.right.depth == right.view.depth);

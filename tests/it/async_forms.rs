@@ -70,8 +70,8 @@ fn async_forms_give_what_the_blocking_ones_give_on_another_thread() {
     assert!(found == (pairs, traced.left, closest, any, in_one_call));
 }
 
-/// A frame of a fifth of a second is polled in slices, so that a timeout can end it. The renderer serves the next
-/// frame.
+/// The frame takes a fifth of a second. It is rendered in slices, one per poll, so that a timeout can end it. The
+/// renderer can then render the next frame.
 #[test]
 fn a_frame_that_is_dropped_between_two_polls_leaves_no_trace() {
     let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(320, 240));

@@ -1,4 +1,4 @@
-//! Tests `bracket`, `verified` and `auto` against `Naive` of the same run, and against plain Rust.
+//! Tests `bracket`, `verified` and `auto` against `Naive` of the same run, and against separate code in plain Rust.
 
 use crate::common;
 
@@ -54,9 +54,9 @@ fn primary_visibility_is_naive_s_on_every_scene_and_without_shadow_bits_so_is_th
     }
 }
 
-/// Minimum percentage of identical pixels by `bracket` and by `verified`. The bounds are the measured values, minus
-/// half of the differing pixels and 0.1. Wires, hair and grains are thinner than the distance of the left samples, and
-/// so are their shadows. At this size the hall's shadows are thin too.
+/// Returns the least identical pixels in percent, for `bracket` and `verified`. A bound is the measured percentage,
+/// minus half of the differing pixels and minus 0.1. Wires, hair and grains are thinner than the distance between left
+/// samples, and so are their shadows. At this size the hall's shadows are thin too.
 fn least_identical(name: &str) -> [f64; 2] {
     match name {
         "wires" => [91.9, 94.4],
@@ -95,8 +95,8 @@ fn shadows_of_wires_hair_leaves_cables_and_strips_are_not_lost() {
         let difference = compare(&render(Method::BRACKET).right, &naive.right, &naive.pose).unwrap();
         let wrong = 100.0 - difference.identical_percent;
         println!("{trial}: {wrong:.3}");
-        // Measured at 300x300: 0.093 under leaves and at most 0.071 in the other trials. It would be 0.6 to 6.4 if no
-        // light were busy.
+        // At 300x300, 0.093% of the pixels differ under leaves, and at most 0.071% in the other trials. Without the
+        // test for busy lights, which have shadow edges close to a sample, it would be 0.6% to 6.4%.
         assert!(wrong <= 0.15, "{trial}: {wrong}");
     }
 }
@@ -136,11 +136,11 @@ fn auto_never_costs_more_than_naive_whatever_the_interaxial_and_says_what_it_cho
         for e_px in [2.3, 46.0] {
             let camera = camera.interaxial_pixels(e_px);
             let mut render = |options| renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
-            // The choice is tested without counting. Counting traces one ray per lane, and may choose otherwise.
+            // The choice is tested without counters. With counters a lane traces one ray, and the choice may differ.
             let auto = render(Options::default());
             let choice = auto.statistics.choice.expect("auto says why");
             assert_eq!(choice.method, auto.statistics.method);
-            // The device chose. The host's model must choose the same from the counters.
+            // The device has chosen the method. The host's cost model must choose the same method from the counters.
             assert_eq!(choice.method == Method::BRACKET, choice.bracket < choice.naive, "{name} e = {e_px}: {choice}");
             assert!(choice.to_string().starts_with(&choice.method.to_string()));
             assert!(auto.right == render(Options::new(choice.method)).right, "{name} e = {e_px}");
@@ -217,7 +217,7 @@ fn shadow_bits_are_taken_where_plain_rust_takes_them() {
             let pair = render(&scene, &camera, method);
             let twin = bracket::shadow_sources(&scene, &[(&frame, &left)], &right_hits(&pair), reuse);
             let differing = twin.iter().zip(&pair.shadow_source).filter(|(twin, pixel)| twin != pixel).count();
-            // A cosine that is rounding error alone may have either sign.
+            // A cosine that consists of rounding errors alone may have either sign.
             assert!(differing <= if exact { 2 } else { 40 }, "seed {seed} {method}: {differing}");
             let traced = twin.iter().filter(|source| **source == ShadowSource::Traced).count();
             let few = reuse == ShadowReuse::Rays || 10 * traced < 8 * twin.len();
@@ -241,7 +241,7 @@ fn among_cut_outs_pixels_are_finished_and_bits_taken_as_in_plain_rust() {
             let fates = fates.iter().zip(&pair.source).filter(|(twin, pixel)| twin != pixel).count();
             let twin = bracket::shadow_sources(&scene, &[(&frame, &left)], &right_hits(&pair), reuse);
             let bits = twin.iter().zip(&pair.shadow_source).filter(|(twin, pixel)| twin != pixel).count();
-            // A cosine that is rounding error alone may have either sign.
+            // A cosine that consists of rounding errors alone may have either sign.
             let allowed = if exact { [0, 2] } else { [20, 40] };
             assert!(fates <= allowed[0] && bits <= allowed[1], "seed {seed} {method}: {fates} fates, {bits} bits");
             let traced = twin.iter().filter(|source| **source == ShadowSource::Traced).count();
@@ -260,7 +260,7 @@ fn a_view_between_two_sources_takes_bits_where_plain_rust_takes_them_of_either()
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let offsets = [-0.5, 0.2, 0.6];
         let rig = Rig::at(camera, offsets.to_vec()).traced(vec![0, 2]);
-        // The third view is the nearer source of the second view, and stands to its right.
+        // The third view is the nearer source of the second view, and lies to its right.
         let frames = [2, 0].map(|source| Frame::between(&pose, offsets[source], offsets[1]));
         let hits = frames.map(|frame| trace_left(&scene, &frame, Eye::Left));
         let sources = [(&frames[0], hits[0].as_slice()), (&frames[1], hits[1].as_slice())];
@@ -275,11 +275,10 @@ fn a_view_between_two_sources_takes_bits_where_plain_rust_takes_them_of_either()
                 (differing, twin.iter().filter(|source| **source == ShadowSource::Traced).count())
             };
             let ((differing, both), (_, one)) = (traced(&sources), traced(&sources[..1]));
-            // A cosine that is rounding error alone may have either sign.
+            // A cosine that consists of rounding errors alone may have either sign.
             assert!(differing <= if exact { 2 } else { 40 }, "seed {seed} {method}: {differing}");
             println!("seed {seed} {method}: {one} by one source, {both} by two");
-            // With shadow rays, most pixels of this small picture are near a narrow shadow. They are traced with one
-            // source as with two.
+            // `ShadowReuse::Rays` reuses no bits, so a second source does not change its count.
             assert!(reuse == ShadowReuse::Rays || both < one, "seed {seed} {method}: {both} of {one}");
         }
     }
@@ -304,7 +303,7 @@ fn more_lights_than_bits_are_kept_for_are_traced() {
 
 #[test]
 fn a_block_that_more_primitives_touch_than_its_list_holds_is_traced() {
-    // A hundred walls stand behind each other in front of a sphere, with almost equal depths.
+    // A hundred walls stand behind each other, at almost equal depths.
     let mut scene = Scene::new();
     scene.add_material(Material::new(Vec3::splat(0.5)));
     for layer in 0..100 {
@@ -318,8 +317,8 @@ fn a_block_that_more_primitives_touch_than_its_list_holds_is_traced() {
     assert_eq!(hits(&pair), hits(&naive));
 }
 
-/// Renders a ball of some 440 pixels by every kind of `bracket`. Returns the number of its pixels, and how many of them
-/// are traced.
+/// Renders a ball of some 440 pixels by every kind of `bracket`. Returns the number of the ball's pixels, and how many
+/// of them are traced.
 fn dense_ball(rings: u32) -> (usize, usize) {
     let mut scene = Scene::new();
     scene.add_mesh(&ball(Vec3::ZERO, 1.0, rings)).unwrap();
@@ -344,8 +343,9 @@ fn dense_ball(rings: u32) -> (usize, usize) {
 
 #[test]
 fn meshes_of_many_triangles_a_pixel_show_what_naive_shows() {
-    // With 2 triangles per pixel, nearly all tiles fit; 4 pixels about the poles, where triangles are denser, don't.
-    // With 13 per pixel, half of the pixels don't fit. With 148 per pixel, whole tiles are given up.
+    // With 2 triangles per pixel, the lists of nearly all tiles are long enough. They are too short for 4 pixels near
+    // the poles, where triangles are denser. With 13 per pixel, they are too short for half of the pixels. With 148 per
+    // pixel, the search gives up whole tiles.
     let [fitting, overflowing, given_up] = [20, 53, 180].map(dense_ball);
     println!("{fitting:?} {overflowing:?} {given_up:?}");
     assert!(fitting.1 <= 12, "{fitting:?}");
@@ -355,7 +355,7 @@ fn meshes_of_many_triangles_a_pixel_show_what_naive_shows() {
 
 #[test]
 fn a_ray_meets_only_what_its_pixel_s_centre_lies_in_the_bounds_of() {
-    // A wall on the screen has a square of two triangles for each pixel.
+    // The wall on the screen has a square of two triangles for each pixel.
     let camera = camera().size(64, 48);
     let frame = Frame::new(&camera.pose().unwrap());
     let center = |x, y| frame.eye(Eye::Right) + 5.0 * frame.direction(Eye::Right, x, y);
@@ -372,8 +372,8 @@ fn a_ray_meets_only_what_its_pixel_s_centre_lies_in_the_bounds_of() {
     let uploaded = renderer.upload(&scene).wait().unwrap();
     let pair =
         renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET).count(true)).read().wait().unwrap();
-    // Measured: 4.0 tests per pixel, two by the pixel's ray and two by its tile. It would be ten if each ray tested all
-    // primitives of its block.
+    // There are 4.0 tests per pixel, two of them by the pixel's ray and two by its tile. There would be ten if each ray
+    // tested all primitives of its block.
     let tests = pair.statistics.right.primitive_tests as f64 / f64::from(64 * 48);
     assert!(tests < 4.5, "{tests}");
 }
@@ -386,7 +386,7 @@ fn ten_runs_give_the_same_pair() {
         let camera = builtin.camera(150, 97);
         for method in [Method::BRACKET, Method::VERIFIED, Method::Auto] {
             let mut render = || {
-                // These runs don't count, since counting traces one ray per lane.
+                // Counters are off in these runs. With counters a lane would trace one ray.
                 let mut pair = renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
                 pair.statistics.times = None;
                 pair

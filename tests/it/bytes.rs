@@ -1,5 +1,5 @@
-//! Guards changes that must not change a picture, by hashes of everything that each method makes. `sh
-//! scripts/same_bytes.sh COMMIT` compares them with the hashes of another commit, on the same machine.
+//! Hashes all outputs of each method, to check that a change of the code alters no picture. `sh scripts/same_bytes.sh
+//! COMMIT` compares the hashes with the hashes of another commit, on the same machine.
 
 use std::{
     fmt::Write,
@@ -17,8 +17,8 @@ use crate::common::{random_stage, renderer};
 /// Name of the environment variable for the file that the hashes are written to.
 const FILE: &str = "STEREOTRACE_BYTES";
 
-/// Returns scenes of triangles, of spheres, of both, with mirrors and glass, with textures, with masks, and of
-/// everything.
+/// Returns scenes with triangles, with spheres, with both, with mirrors and glass, with textures, with masks, and with
+/// all of these.
 fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
     let builtin =
         |builtin: Builtin, [width, height]: [u32; 2]| (builtin.name(), builtin.scene(), builtin.camera(width, height));
@@ -34,7 +34,7 @@ fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
     ]
 }
 
-/// Returns options by name, and whether to try all methods with them.
+/// Returns sets of options, each with a name and whether all methods are rendered with it.
 fn settings() -> Vec<(&'static str, Options, bool)> {
     let plain = || Options::default().linear(true).g_buffer(GBuffer::Ids);
     vec![
@@ -55,7 +55,7 @@ fn hash_of(what: impl Hash) -> u64 {
     hasher.finish()
 }
 
-/// Returns a hash of each part of a pair, so that a difference shows in which part it is.
+/// Returns a hash of each part of a pair, so that the hashes show which part differs.
 fn text(pair: &StereoPair) -> String {
     let views = [&pair.left, &pair.right];
     let statistics = &pair.statistics;

@@ -137,7 +137,8 @@ fn differing(a: &StereoPair, b: &StereoPair) -> usize {
     (0..a.right.depth.len()).filter(|&index| pixel(a, index) != pixel(b, index)).count()
 }
 
-/// Returns a camera whose corner pixels span about `angle`, by a narrow or wide field of view, or by eyes far apart.
+/// Returns a camera whose corner pixels span about `angle`. Its field of view is narrow or wide, or its eyes are far
+/// apart.
 fn at_the_edge(
     random: &mut Random,
     scene: &Scene,
@@ -170,8 +171,9 @@ fn at_the_edge(
     }
 }
 
-/// Returns the same eyes with a principal point so far aside that corner pixels span about `angle`. Some cameras have
-/// eyes far or hardly apart, or a picture of one pixel. They are parallel cameras or have a screen.
+/// Returns the same eyes with a principal point so far from the centre that corner pixels span about `angle`. Some
+/// cameras have a very large or very small interaxial, or a picture of one pixel. The cameras are parallel or have a
+/// screen.
 fn calibrated_at_the_edge(random: &mut Random, camera: StereoCamera, angle: f32) -> StereoCamera {
     let Ok(pose) = camera.interaxial(0.0).pose() else { return camera };
     let size = if random.below(6) == 0 { [1, 1] } else { pose.size };
@@ -211,7 +213,7 @@ fn at_the_edges_of_the_ranges_parallel_and_calibrated_eyes_see_what_naive_shows(
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let all = [Method::Naive, Method::BRACKET_RAYS, Method::ATOMIC]
             .map(|method| renderer.pair(&uploaded, &camera).options(&Options::new(method).linear(true)).read().wait());
-        // f32 can't represent these eyes.
+        // Cameras whose eyes f32 can't represent are refused.
         if let [Err(Error::Camera { .. }), ..] = all {
             continue;
         }
@@ -245,7 +247,7 @@ fn at_the_edges_of_the_ranges_bracket_rays_shows_what_naive_does() {
         let seed = random.below(1000) as u32;
         let scene = RandomScene { seed, triangles: 60, spheres: 10, scale, offset, ..RandomScene::default() }.build();
         let place = |point: Vec3| point * scale + Vec3::splat(offset);
-        // The angles are from just below the limit to four times the limit.
+        // The angles range from just below the limit to four times the limit.
         let angle = MIN_PIXEL_ANGLE * 2_f32.powf(random.between(-0.2, 2.0));
         let camera = at_the_edge(&mut random, &scene, place, scale, angle);
         if camera.pose().is_err() {
@@ -267,7 +269,7 @@ fn at_the_edges_of_the_ranges_bracket_rays_shows_what_naive_does() {
     assert!(rendered > 500 && surfaces > 50_000, "{rendered} {surfaces}");
 }
 
-/// Returns a random scene, a fine ball in it, and a light, all scaled by `scale`, a power of two.
+/// Returns a random scene with a fine ball and a light in it. Everything is scaled by `scale`, a power of two.
 fn scaled(seed: u32, radius: f32, target: Vec3, scale: f32) -> Scene {
     let source = RandomScene { seed, triangles: 60, spheres: 10, ..RandomScene::default() }.build();
     let mut scene = Scene::new();
@@ -314,7 +316,8 @@ fn scenes_of_the_least_and_the_largest_scale_look_as_at_scale_one() {
     }
 }
 
-/// Returns the low and high corner of a random box of any allowed scale and place. It may be flat, a line or a point.
+/// Returns the low and high corner of a random box of any allowed scale and position. The box may be flat, a line or a
+/// point.
 fn random_bounds(random: &mut Random) -> (Vec3, Vec3) {
     let size = power(random, -7.0, 8.5);
     let side = |random: &mut Random| match random.below(3) {
@@ -365,7 +368,7 @@ fn triangle(corners: [Vec3; 3]) -> Scene {
 #[test]
 fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
     let mut renderer = renderer();
-    // The triangle is flat and oblique, so that the fitting camera sees it from the front.
+    // The triangle lies in the xy plane, and the fitting camera sees its front.
     let shape = [Vec3::new(-0.5, -0.5, 0.0), Vec3::new(0.5, -0.5, 0.0), Vec3::new(0.0, 0.5, 0.0)];
     for scale in [1.1 * MIN_EXTENT, 1e-3, 1.0, 1e6, 1.9 * MAX_COORDINATE] {
         let scene = triangle(shape.map(|corner| corner * scale));

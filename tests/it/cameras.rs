@@ -1,4 +1,4 @@
-//! Tests other cameras than two eyes with a centred screen: parallel, calibrated and toed-in cameras, and single eyes.
+//! Tests cameras other than two eyes with a centred screen: parallel, calibrated and toed-in cameras, and single eyes.
 
 use crate::common;
 
@@ -12,8 +12,9 @@ use stereotrace::{
     testing::cpu::{Eye, Frame, adelson_hodges::sweep, reproject::reproject},
 };
 
-/// Returns a built-in scene's camera as parallel cameras and as calibrated cameras. The calibrated cameras are
-/// off-centre with flat pixels, with a screen, and with a principal point outside the picture.
+/// Returns a built-in scene's camera as parallel cameras and as three calibrated cameras. The calibrated cameras are
+/// one off-centre with pixels that are not square, one with a screen, and one with a principal point outside the
+/// picture.
 fn kinds(camera: StereoCamera) -> [(&'static str, StereoCamera); 4] {
     let pose = camera.pose().unwrap();
     let [w, h] = pose.size.map(f64::from);
@@ -47,7 +48,7 @@ fn assert_same(found: &View, expected: &View, exact: bool, what: &str) {
     assert!(other <= allowed, "{what}: {other} of {} pixels differ", expected.rgba8.len());
 }
 
-/// The projection K [R | t] X in f64, from the numbers given to the camera.
+/// The projection K [R | t] X in f64, computed from the parameters of the camera.
 struct Projection {
     k: DMat3,
     r: DMat3,
@@ -81,7 +82,7 @@ fn points_are_projected_by_k_r_t_for_any_intrinsics() {
         let up = (point(&mut random, 1.0) + Vec3::splat(0.01)).normalize();
         let [w, h] = [1 + random.below(4000), 1 + random.below(3000)];
         let focal = [0, 1].map(|_| f64::from(10_f32.powf(random.between(0.5, 3.6))));
-        // As in calibrations, f32 can represent these numbers.
+        // f32 represents these numbers exactly, as for typical calibrations.
         let centre = [w, h].map(|side| f64::from(random.between(-1.0, 2.0) * side as f32));
         let doffs =
             if random.below(2) == 0 { 0.0 } else { f64::from((random.between(0.0, 100.0) * 64.0).round() / 64.0) };
@@ -102,8 +103,8 @@ fn points_are_projected_by_k_r_t_for_any_intrinsics() {
                 continue;
             }
             let found = pose.project(x, side).map(f64::from);
-            // The pose's axes are rounded to f32, which turns them by up to 1e-7. So a point f px from the centre moves
-            // by that share.
+            // The pose's axes are rounded to f32, which turns them by up to 1e-7. So the error is relative to the focal
+            // length and to the distances from the centre and from the corner.
             for (axis, found) in found.into_iter().enumerate() {
                 let reach = focal[axis.min(1)] + (expected[axis] - centre[axis.min(1)]).abs() + expected[axis].abs();
                 worst = worst.max((found - expected[axis]).abs() / reach);
@@ -321,7 +322,7 @@ fn eyes_that_are_toed_in_meet_on_the_screen_and_see_keystones() {
         let [x, y, z] = point;
         let world = Vec3::new(x as f32, y as f32, (5.0 - z) as f32);
         for side in [-1.0, 1.0] {
-            // The left eye is turned to the right.
+            // The left eye turns to the right.
             let from = x - 0.5 * side * e;
             let depth = z * cos - side * from * sin;
             let across = from * cos + side * z * sin;
@@ -372,7 +373,7 @@ fn a_pair_that_is_toed_in_is_two_eyes_alone_and_says_so() {
             assert!((f64::from(x) - place[0]).abs() < 1e-3 && (f64::from(y) - place[1]).abs() < 1e-3);
         }
     }
-    // Rows are no epipolar lines, so functions that need them return an error or nothing.
+    // Image rows are not epipolar lines here, so functions that need epipolar lines return an error or nothing.
     assert!(pair.disparity().is_empty() && pair.right_disparity().is_empty() && pair.occlusion().is_empty());
     let refused =
         |error: Error| assert!(matches!(&error, Error::Rig { reason, .. } if reason.contains("toed in")), "{error}");
@@ -383,7 +384,7 @@ fn a_pair_that_is_toed_in_is_two_eyes_alone_and_says_so() {
     refused(renderer.views(&uploaded, &Rig::pair(camera)).options(&default).rows(&mut |_| Ok(())).wait().unwrap_err());
     let mut encoder = renderer.gpu().device().create_command_encoder(&Default::default());
     refused(renderer.views(&uploaded, &Rig::pair(camera)).options(&default).encode(&mut encoder).wait().unwrap_err());
-    // Frames of several samples exist too.
+    // Frames with several samples per pixel can be rendered too.
     for options in [default.clone().samples(4), default.adaptive(Adaptive::new(2, 8.0))] {
         let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
         assert_eq!((pair.right.rgba8.len(), pair.statistics.method), (90 * 60, Method::Naive));

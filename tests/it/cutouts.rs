@@ -30,7 +30,7 @@ fn square(z: f32) -> Mesh {
     Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).uv(vec![[uv[0], uv[1], uv[2]], [uv[0], uv[2], uv[3]]])
 }
 
-/// Number of cells along a side of the fence's mask. Cells count from the lower left corner.
+/// Number of cells along a side of the fence's mask. Cells are counted from the lower left corner.
 const CELLS: u32 = 12;
 
 fn is_bar(column: u32, row: u32) -> bool {
@@ -55,7 +55,8 @@ fn fence_mesh(z: f32) -> Mesh {
     Mesh::new(positions, triangles)
 }
 
-/// Returns a fence before a wall, under two lights, with a mirror beside it. The fence is cut out or made of triangles.
+/// Returns a fence in front of a wall, under two lights, with a mirror beside it. The fence is cut out or made of
+/// triangles.
 fn fence(cut_out: bool) -> Scene {
     let mut scene = Scene::new();
     let mask = scene.add_texture(fence_mask());
@@ -110,7 +111,7 @@ fn both_eyes_see_what_a_tracer_in_double_precision_sees() {
                 behind_holes += usize::from(seen.primitive != without_holes[index].primitive);
             }
             println!("{seed} {eye:?}: {other} other hits, {unlike} other colours, {behind_holes} behind holes");
-            // Measured: no other hit and two other colours, for rays that pass an edge within rounding.
+            // No hits and two colours differ, where rays pass an edge within rounding errors.
             assert!(other <= 2 && unlike <= 6, "{seed} {eye:?}: {other} other hits, {unlike} other colours");
             assert!(behind_holes > 1000, "{seed} {eye:?}: {behind_holes} of {}", view.depth.len());
         }
@@ -129,7 +130,7 @@ fn a_fence_of_a_mask_is_the_fence_of_triangles() {
     for (masked, real) in masked.iter().zip(&real) {
         let [left, right] = [apart(&masked.left, &real.left), apart(&masked.right, &real.right)];
         println!("{}: {left} and {right} apart", masked.statistics.method);
-        // Measured: none. Rays that pass an edge within rounding may differ.
+        // The measured number is 0. Rays that pass an edge within rounding errors may differ.
         assert!(left <= 2 && right <= 2, "{left} and {right} of {} apart", real.left.depth.len());
     }
     let holes = apart(&masked[0].left, &whole[0].left);
@@ -138,7 +139,8 @@ fn a_fence_of_a_mask_is_the_fence_of_triangles() {
 
 #[test]
 fn light_falls_through_holes_alone() {
-    // A light is straight above a square, and the floor is as far below it. The shadow is the mask, twice as large.
+    // A light is straight above a square. The floor is below the square at the same distance, so the shadow is the
+    // mask, twice as large.
     let mut scene = Scene::new();
     let mask = scene.add_texture(fence_mask());
     let material = scene.add_material(Material::new(Vec3::ONE).cutout(mask));
@@ -159,7 +161,7 @@ fn light_falls_through_holes_alone() {
             for index in (0..view.depth.len()).filter(|&index| view.object[index] == 1) {
                 let direction = frame.direction(eye, index % 140, index / 140);
                 let point = frame.eye(eye) + direction * view.depth[index];
-                // This is the position in cells of the mask.
+                // This is the position of the shadow in the mask, in cells.
                 let at = Vec2::new(0.5 * point.x + 1.0, 1.0 - 0.5 * point.z) * 0.5 * CELLS as f32;
                 if (at - at.round()).abs().min_element() < 1e-3 {
                     continue;
@@ -201,7 +203,7 @@ fn a_mirror_with_holes_shows_what_is_behind_them_and_elsewhere_what_it_mirrors()
                 wrong += usize::from(Vec3::new(color[0], color[1], color[2]) != expected);
             }
         }
-        // Samples that atomic reuses may lie half a pixel beside an edge of a hole.
+        // Samples that atomic reuses may be off by half a pixel at the edge of a hole.
         let allowed = if method == Method::ATOMIC { mirrored / 4 } else { 2 };
         assert!(wrong <= allowed && mirrored > 1000, "{method}: {wrong} wrong, {mirrored} mirrored");
     }
@@ -235,7 +237,7 @@ fn every_traversal_and_bracket_see_what_naive_sees() {
     }
 }
 
-/// Bounds are the measured values of the worst scene, plus half as many pixels.
+/// The bounds are 1.5 times the percentages that were measured on the worst scene.
 #[test]
 fn bracket_shows_no_wrong_surface_and_other_methods_few() {
     let camera = camera(93, 62);
@@ -263,7 +265,7 @@ fn rays_of_a_list_pass_holes_as_by_brute_force() {
     let scene = random_foliage(6, true);
     let mut random = Random::new(9);
     let rays = (0..3001).map(|index| {
-        // Some lanes with four rays have one origin, others have several.
+        // In some lanes the four rays have one origin, in others they have several.
         let origin = if index % 16 < 8 { 3.0 * Vec3::Z } else { random.point(2.0) };
         Ray::new(origin, random.point(1.0) - 0.4 * origin)
             .t_min(random.between(0.0, 0.3))
@@ -293,7 +295,7 @@ fn a_copy_behind_holes_is_seen_through_them() {
     let front = scene.add_material(Material::new(Vec3::X).cutout(mask));
     let back = scene.add_material(Material::new(Vec3::Y));
     let shifted = vec![[Vec2::ZERO, 3.0 * Vec2::X, 3.0 * Vec2::ONE], [Vec2::ZERO, 3.0 * Vec2::ONE, 3.0 * Vec2::Y]];
-    // The same corners occur several times: cut out, cut out elsewhere, whole, and copies of all of them.
+    // Triangles with the same corners occur six times: cut out, cut out in other places, whole, and a copy of each.
     for _ in 0..2 {
         scene.add_mesh(&square(0.0).materials(vec![front])).unwrap();
         scene.add_mesh(&square(0.0).uv(shifted.clone()).materials(vec![front])).unwrap();

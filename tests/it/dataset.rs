@@ -10,7 +10,7 @@ use stereotrace::{
     glam::{DVec3, Vec3, vec3},
 };
 
-/// Returns the faces of a box, to be seen from outside or from inside.
+/// Returns the faces of a box whose front sides face outward or inward.
 fn block(low: Vec3, high: Vec3, inward: bool) -> Mesh {
     let corner = |index: usize| {
         Vec3::from_array(std::array::from_fn(|axis| if index >> axis & 1 == 0 { low[axis] } else { high[axis] }))
@@ -41,7 +41,8 @@ fn camera() -> StereoCamera {
 #[test]
 fn places_in_a_room_are_neither_in_a_wall_nor_in_what_stands_there() {
     let renderer = renderer();
-    // The walls face inward, or they face outward and only the given camera shows that their back sides are to be seen.
+    // The walls face inward or outward. If they face outward, only the given camera shows that their back sides are
+    // visible.
     for walls_face_inward in [true, false] {
         let scene = room(walls_face_inward);
         let uploaded = renderer.upload(&scene).wait().unwrap();
@@ -50,7 +51,7 @@ fn places_in_a_room_are_neither_in_a_wall_nor_in_what_stands_there() {
         for item in 0..60 {
             let found = poses.find(&renderer, &uploaded, item).wait().unwrap();
             let eye = found.camera.pose().unwrap().eye.as_vec3();
-            // The clearance is tested in 128 directions, so a corner may be a little nearer than the hits.
+            // The clearance is tested in 128 directions, so a corner may be a little nearer.
             let near = 0.25;
             let in_room = eye.cmpge(vec3(-5.0, 0.0, -5.0) + near).all() && eye.cmple(vec3(5.0, 4.0, 5.0) - near).all();
             let in_block = eye.x.abs() < 2.0 + near && eye.z.abs() < 2.0 + near;

@@ -1,5 +1,5 @@
-//! Tests unbounded work for one thread: dense meshes in few pixels, long needles, many lights. An adapter's limit on a
-//! thread's loops may cost time but must not change a picture.
+//! Tests scenes with unbounded work for one thread: dense meshes in few pixels, long needles, many lights. An adapter's
+//! limit on a thread's loops may cost time but must not change a picture.
 
 use crate::common;
 use crate::solids;
@@ -35,7 +35,7 @@ fn dense_terrain() -> Mesh {
     Mesh::new((0..(side + 1) * (side + 1)).map(position).collect(), triangles.collect())
 }
 
-/// Returns needles from end to end of a cube, whose boxes all overlap.
+/// Returns needles that reach through a whole cube, so that all their boxes overlap.
 fn needles(count: u32) -> Mesh {
     let mut random = Random::new(31);
     let positions = (0..count).flat_map(|_| {
@@ -57,14 +57,14 @@ fn render(scene: &Scene, camera: &StereoCamera, methods: &[Method]) -> Result<Ve
     methods.iter().map(pair).collect()
 }
 
-/// Returns the number of pixels in which two views show other surfaces, and of those with other colours.
+/// Returns the number of pixels in which two views show other surfaces, and the number of pixels with other colours.
 fn differing(view: &View, other: &View) -> [usize; 2] {
     let count = view.depth.len();
     let surface = |&i: &usize| view.depth[i] != other.depth[i] || view.primitive[i] != other.primitive[i];
     [(0..count).filter(surface).count(), (0..count).filter(|&i| view.rgba8[i] != other.rgba8[i]).count()]
 }
 
-/// Tests a mesh that fills a quarter or more of this small picture, by every kind of tile search.
+/// Compares every kind of tile search with naive, on a small picture of the mesh.
 fn bracket_is_naive(name: &str, mesh: &Mesh, size: [u32; 2], farther: f32) {
     let mut scene = Scene::new();
     scene.add_mesh(mesh).unwrap();
@@ -102,8 +102,8 @@ fn a_terrain_of_half_a_million_triangles_in_few_pixels_is_naives() {
     }
 }
 
-/// Compares every `every`-th pixel with double precision. Counts depths that differ by a ten-thousandth and colours
-/// that differ by over 3 steps of 255.
+/// Compares every `every`-th pixel with double precision. Counts depths that differ by more than a ten-thousandth, and
+/// colours that differ by more than 3 steps of 255.
 fn wrong(scene: &Scene, pair: &StereoPair, every: usize) -> [usize; 2] {
     let truth = Truth::new(scene);
     let frame = Frame::new(&pair.pose);
@@ -121,7 +121,7 @@ fn wrong(scene: &Scene, pair: &StereoPair, every: usize) -> [usize; 2] {
     wrong
 }
 
-/// Shadows are not compared here: between so many needles most shadow rays end within an ulp of an edge.
+/// Shadows are not compared here. Between so many needles, most shadow rays end within an ulp of an edge.
 #[test]
 fn four_hundred_thousand_long_needles_with_five_lights_are_rendered() {
     let mut scene = Scene::new();

@@ -18,7 +18,7 @@ fn render(builtin: Builtin) -> StereoPair {
     common::render(&builtin.scene(), &builtin.camera(width, height), Method::BRACKET_RAYS)
 }
 
-/// A pinhole camera with the pair's screen, from the numbers of [`Pose`] alone.
+/// A pinhole camera with the pair's screen, made from the fields of [`Pose`] alone.
 struct Pinhole<'a> {
     pose: &'a Pose,
     /// -1 for the left eye, 1 for the right eye.
@@ -74,7 +74,7 @@ fn a_point_moves_by_its_disparity_from_eye_to_eye() {
                 worst = worst.max((f64::from(d) - moved).abs());
             }
         }
-        // Measured 2.7e-6 for Near, whose disparities are largest, and below 7e-7 for the others.
+        // The measured error is 2.7e-6 for Near, whose disparities are largest, and below 7e-7 for the others.
         assert!(worst < 1e-5, "{builtin}: {worst:e}");
     }
 }
@@ -89,7 +89,7 @@ fn what_is_before_the_screen_is_above_0_and_what_is_behind_it_below() {
     assert!(behind.len() > 1000 && behind.iter().all(|(_, d)| *d < 0.0));
 }
 
-/// Returns the pixels of the left view that rays from the right eye do not reach.
+/// Returns for each pixel of the left view whether something blocks the ray from the right eye to its point.
 fn hidden_by_rays(pair: &StereoPair, builtin: Builtin) -> Vec<bool> {
     let renderer = renderer();
     let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
@@ -108,8 +108,9 @@ fn hidden_by_rays(pair: &StereoPair, builtin: Builtin) -> Vec<bool> {
 
 #[test]
 fn occlusion_is_what_rays_from_the_right_eye_say_but_at_silhouettes() {
-    // Percentages of all pixels, measured on llvmpipe: hidden by rays, wrongly taken as hidden, wrongly taken as
-    // visible. The bounds are 1.5 times the latter two, plus 0.1.
+    // The entries are percentages of all pixels, measured on llvmpipe: pixels that are hidden according to rays, pixels
+    // wrongly classified as hidden, and pixels wrongly classified as visible. The bounds are 1.5 times the second and
+    // third percentage, plus 0.1.
     let measured = [
         (Builtin::Spheres, 11.10, 0.50, 0.47),
         (Builtin::Hall, 6.67, 0.23, 0.35),
@@ -160,13 +161,14 @@ fn what_both_eyes_see_is_one_object_in_both_views() {
             count[kind] += 1;
         }
         let shares = [0, 1].map(|kind| 100.0 * f64::from(same[kind]) / f64::from(same[kind] + other[kind]));
-        // Measured 98.5 to 99.7 and 0.6 to 1.6. At silhouettes the nearest pixel shows the other side.
+        // The measured shares are 98.5 to 99.7 and 0.6 to 1.6. At silhouettes the nearest pixel shows the other
+        // surface.
         assert!(shares[0] > 97.5 && shares[1] < 3.0, "{builtin}: {shares:?}");
     }
 }
 
-/// Compares with pinholes, a loop over all primitives in double precision, and the other eye's own ray to each point
-/// that it should see.
+/// Compares with pinhole cameras and with a loop over all primitives in double precision. Each point that both eyes
+/// should see is also compared with the hit of the other eye's ray.
 #[test]
 fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_one_point() {
     for builtin in [Builtin::Spheres, Builtin::Fence, Builtin::Hidden, Builtin::Grazing] {
@@ -188,7 +190,8 @@ fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_on
                 let direction = eye.point(column, row, 1.0) - eye.eye();
                 let z = nearest(&scene, eye.eye(), direction);
                 let is_sky = z.is_infinite();
-                // A ray that passes an edge within rounding, as some do at the fence, shows the surface beside it.
+                // A ray that passes an edge within rounding errors shows the surface beside it. This happens at the
+                // fence.
                 if !is_sky && (z / f64::from(view.depth[index]) - 1.0).abs() > 1e-4
                     || is_sky == view.depth[index].is_finite()
                 {
@@ -209,7 +212,7 @@ fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_on
                 hidden += usize::from(truth == Occlusion::Hidden);
                 other += usize::from(truth != *found);
                 if *found == Occlusion::Visible && truth == Occlusion::Visible && !is_sky {
-                    // The hit of the other eye's ray is where the disparity says, to 0.01 px.
+                    // The other eye's ray hits the point that the disparity predicts, to 0.01 px.
                     let met = other_eye.eye() + towards * t;
                     assert!((eye.column(met) - (column as f64 + 0.5)).abs() < 0.01, "{builtin} {column} {row}");
                 }

@@ -60,7 +60,7 @@ fn of_equal_axes_they_are_spheres_to_the_last_bit() {
         for (index, sphere) in spheres.spheres().iter().enumerate() {
             let one = Ellipsoid::aligned(sphere.center, Vec3::splat(sphere.radius), sphere.material);
             round.add_ellipsoid(one).unwrap();
-            // Some primitives are spheres, in an order that keeps the ids of the ellipsoids.
+            // In `some`, the first 20 primitives are spheres. Spheres precede ellipsoids, so the ids stay the same.
             if index < 20 { some.add_sphere(*sphere).unwrap() } else { some.add_ellipsoid(one).unwrap() }
         }
         let place = |v: Vec3| v * scale + Vec3::splat(offset);
@@ -85,8 +85,8 @@ fn of_equal_axes_they_are_spheres_to_the_last_bit() {
     }
 }
 
-/// Returns scenes that are hard for the search for a tile's primitives. They have shapes of all kinds, discs and
-/// needles, grains of half a pixel, and ellipsoids around the eyes and through their plane.
+/// Returns scenes that are hard for the search for a tile's primitives. They have ellipsoids of all shapes, among them
+/// discs, needles, and grains of half a pixel. Some ellipsoids enclose the eyes or cross the plane of the eyes.
 fn scenes() -> Vec<(String, Scene, StereoCamera)> {
     let mut scenes = Vec::new();
     for seed in 0..3 {
@@ -143,7 +143,7 @@ fn visibility_is_naive_s_by_every_traversal() {
     }
 }
 
-/// The search must not only be correct but narrow: its bounds are the bounds of the projection.
+/// The search must not only find all hits but also test few primitives. Its bounds must be as tight as the projection.
 #[test]
 fn a_tile_s_pixels_meet_only_what_their_centres_lie_in_the_bounds_of() {
     let mut scene = Scene::new();
@@ -158,11 +158,12 @@ fn a_tile_s_pixels_meet_only_what_their_centres_lie_in_the_bounds_of() {
         renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET).count(true)).read().wait().unwrap();
     let tests = pair.statistics.right.primitive_tests as f64 / 16384.0;
     println!("{tests} tests a pixel");
-    // Measured 0.55: a ray's test where there is an ellipsoid, and the tests of tiles.
+    // The measured number is 0.55. Each ray tests the ellipsoid at its pixel, and tiles test ellipsoids too.
     assert!(tests < 0.6, "{tests}");
 }
 
-/// Returns the largest error of t, relative to t and to the slope, over rays to points of an ellipsoid from around it.
+/// Returns the largest relative error of t, times the slope, and the number of wrong hits. The rays start at these
+/// origins and end at points of the ellipsoid.
 fn worst_t(one: &Ellipsoid, aspect: f32, origins: &[Vec3], random: &mut Random) -> (f64, usize) {
     let mut scene = Scene::new();
     scene.add_ellipsoid(*one).unwrap();
@@ -175,8 +176,8 @@ fn worst_t(one: &Ellipsoid, aspect: f32, origins: &[Vec3], random: &mut Random) 
             rays.push(Ray::new(origin, point - origin));
         }
     }
-    // Rounding may decide hits that a change of the size by a hundredth decides. For an ellipsoid that is ten thousand
-    // times as long as thick, it is a tenth.
+    // A wrong hit counts only if a change of the ellipsoid's size by a hundredth does not change the hit. For aspect
+    // ratios above 1000, the change is a tenth.
     let margin = if aspect > 1000.0 { 0.1 } else { 0.01 };
     let [truth, less, more] = [1.0, 1.0 - margin, 1.0 + margin].map(|scale| {
         let mut scene = Scene::new();
@@ -209,7 +210,7 @@ fn flat_and_thin_ones_are_met_where_they_are_from_near_and_far() {
             };
             let one = Ellipsoid::new(random.point(2.0), turn * Mat3::from_diagonal(radii), MaterialId(0));
             for (place, away) in [0.02, 2.0, 100.0].into_iter().enumerate() {
-                // Origins are beside points of the surface, at this distance, and inside if there is room.
+                // Origins are outside the ellipsoid, at up to this distance from points of its surface.
                 let normal = |v: Vec3| (one.axes.inverse().transpose() * v).normalize();
                 let origins: Vec<Vec3> = (0..6)
                     .map(|_| {
@@ -259,8 +260,8 @@ fn no_ellipsoid_shadows_what_faces_the_light() {
     }
 }
 
-/// The world's origin is on the surface, half way from the middle of a flat disc to its rim. The point's position is
-/// then given only by products that cancel.
+/// The world's origin is on the surface of a flat disc, between its centre and its rim. The products that give the
+/// point's position then cancel.
 #[test]
 fn a_tilted_disc_whose_centre_is_far_does_not_shadow_itself() {
     let mut faults = Vec::new();
@@ -271,8 +272,8 @@ fn a_tilted_disc_whose_centre_is_far_does_not_shadow_itself() {
             let point = Vec3::new(0.4, 0.3_f32.sqrt(), 0.54_f32.sqrt());
             let one = Ellipsoid::new(-(axes * point), axes, MaterialId(0));
             let normal = (axes.inverse().transpose() * point).normalize();
-            // Heights are multiples of the disc's thickness, at which f32 begins to be precise enough for spheres, and
-            // of its radius.
+            // Heights of the eye are multiples of the disc's thickness and fractions of its radius. At about the
+            // thickness, f32 begins to be precise enough for spheres.
             for height in [0.3, 1.0, 3.0, 10.0].map(|lengths| lengths / aspect).into_iter().chain([0.03, 0.1, 0.3]) {
                 let eye = normal * (height * radius);
                 let camera = StereoCamera::look_at(eye, Vec3::ZERO).up(axes.x_axis).vertical_fov_degrees(30.0);
@@ -311,7 +312,7 @@ fn changed_ellipsoids_look_as_uploaded_anew() {
             scene.set_ellipsoid(first + 2, near).unwrap();
             scene.set_ellipsoid(first + 3, near).unwrap();
         },
-        // The change is to a large ground below the eyes, so that kernels test it again.
+        // Two ellipsoids become a large ground below the eyes, for which kernels need the second test.
         |scene, first| {
             let ground = Ellipsoid::aligned(Vec3::new(0.0, -1001.0, 0.0), Vec3::new(9e5, 1e3, 9e5), MaterialId(0));
             scene.set_ellipsoid(first + 4, ground).unwrap();

@@ -1,4 +1,4 @@
-//! Tests the kind of error for each fault, and its source.
+//! Tests the kind and the source of the error for each fault.
 use crate::common;
 
 use std::{

@@ -60,7 +60,7 @@ fn a_long_name_over_many_changes_of_normals_takes_no_memory_of_its_own() {
     let faces = "f 1 2 3\nf 1//1 2//1 3//1\n".repeat(4000);
     let obj = folder.write("scene.obj", format!("o {}\n{TRIANGLE}{faces}", "n".repeat(100_000)));
     let mib = peak_growth(|| assert_eq!(Scene::from_obj(obj).unwrap().primitive_count(), 8000));
-    // Measured 6 MiB. It would be 769 MiB if each section stored the name.
+    // The measured memory is 6 MiB. It would be 769 MiB if each section stored the name.
     assert!(mib < 40, "{mib} MiB for a file of 204 kB");
 }
 
@@ -76,11 +76,11 @@ fn a_library_that_is_named_often_is_read_once() {
         let scene = Scene::from_obj(&obj).unwrap();
         assert_eq!((scene.materials().len(), scene.triangles()[0].material.0), (10_001, 8));
     });
-    // Measured 3 MiB. It would be 810 MiB if the library were read for each mention.
+    // The measured memory is 3 MiB. It would be 810 MiB if the library were read for each mention.
     assert!(mib < 40, "{mib} MiB");
 }
 
-/// Returns the message of the error, which must name the file and come at once.
+/// Returns the message of the error, which must name the file. The error must occur without delay.
 fn refused<T>(path: &Path, result: Result<T, Error>) -> String {
     let Err(error) = result else { panic!("{}: not refused", path.display()) };
     assert!(matches!(error, Error::Io { .. } | Error::TooLarge { .. } | Error::Parse { .. }), "{error:?}");
@@ -103,7 +103,7 @@ fn what_is_no_regular_file_is_refused_and_not_waited_for() {
         assert!(message.ends_with("it is a pipe, a socket or a device; only regular files are read"), "{message}");
     }
     assert!(refused(&folder.0, Scene::from_obj(&folder.0)).contains("it is a folder"));
-    // By its type this is a regular file, but it has no size, and its lines come only when the kernel writes some.
+    // This is a regular file by its type. But its size is 0, and a read blocks until the kernel writes a line.
     let kernel = Path::new("/proc/kmsg");
     assert!(Scene::from_obj(kernel).is_err());
     let obj = folder.write("scene.obj", format!("mtllib pipe\nmtllib /dev/zero\n{TRIANGLE}f 1 2 3\n"));
@@ -151,7 +151,8 @@ fn a_sky_takes_at_most_16_bytes_a_pixel_and_one_over_the_limit_none() {
     let folder = Folder::new("sky");
     let path = picture(&folder, 4096, 2048);
     let mib = peak_growth(|| assert_eq!(SkyMap::open(&path).unwrap().size(), [4096, 2048]));
-    // Measured 96 MiB, which is 12 bytes per pixel for the colours. With 36 bytes per pixel it was 288 MiB.
+    // The measured memory is 96 MiB, which is 12 bytes per pixel for the colours. With 36 bytes per pixel it was 288
+    // MiB.
     assert!(mib < 128, "{mib} MiB for 8 million pixels");
     let path = picture(&folder, 8192, 4096);
     let mib = peak_growth(|| {
@@ -179,8 +180,8 @@ fn a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_softwar
     renderer.upload(&scene).wait().unwrap();
     scene.sky = Sky::Map(SkyMap::new(4096, 2047, vec![Vec3::ONE; 4096 * 2047]).unwrap());
     let mib = peak_growth(|| drop(renderer.upload(&scene).wait().unwrap()));
-    // Measured 160 MiB: 128 MiB of the texture, and a piece of 16 MiB twice. Converted at once, it took 255 MiB beside
-    // the texture.
+    // The measured memory is 160 MiB: 128 MiB of the texture, and a piece of 16 MiB twice. If the whole texture was
+    // converted at once, it took 255 MiB in addition to the texture.
     assert!(mib < 192, "{mib} MiB for 8 million pixels");
 }
 

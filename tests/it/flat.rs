@@ -1,5 +1,5 @@
-//! The classical ray tracer as a baseline (`BvhBuild::Flat`): the picture equals a tree's, bit for bit. The number of
-//! tests is the number that double precision counts.
+//! Tests the classical ray tracer (`BvhBuild::Flat`), which serves as a baseline. Its picture equals the picture by a
+//! tree, bit for bit. Its number of tests equals the number counted in double precision.
 
 use crate::common;
 
@@ -53,7 +53,7 @@ fn a_list_shows_what_a_tree_shows_bit_for_bit() {
         assert_same(&list, &tree, exact, &name);
         assert!(list.statistics.left.primitive_tests >= tree.statistics.left.primitive_tests, "{name}");
     }
-    // These are ten stacks, and the built-in scenes and trials that are small enough.
+    // The scenes are ten stacks, and the built-in scenes and trials that are small enough.
     assert!(shown >= 19, "{shown}");
 }
 
@@ -115,7 +115,7 @@ fn tests_in_double_precision(scene: &Scene, pose: &Pose, eye: f32) -> (u64, u64)
         if (point - ball.center.as_dvec3()).dot(from_lamp) >= 0.0 {
             continue;
         }
-        // A point's own ball is met at 1.
+        // The point's own ball is hit at t = 1.
         let first = balls.iter().position(|ball| met(ball, lamp, from_lamp).is_some_and(|t| t < 1.0 - 1e-6));
         shadow += first.map_or(balls.len(), |first| first + 1) as u64;
     }
@@ -140,8 +140,8 @@ fn rays_are_tested_against_every_object_and_shadow_rays_until_one_is_met() {
             let (primary, shadow) = tests_in_double_precision(&scene, &found.pose, eye);
             assert_eq!(of_eye(&unlit.statistics, eye).primitive_tests, primary, "{count}, eye {eye}");
             let tests = of_eye(&found.statistics, eye).primitive_tests - primary;
-            // In one of 4096 pixels, rounding may decide whether the point faces the lamp or a ball occludes it.
-            // Measured: the numbers are equal except once, when 28 of 140,545 tests of 57 balls are missing.
+            // In single pixels of 4096, rounding may decide whether the point faces the lamp or a ball occludes it. The
+            // measured numbers are equal except once, where 28 of 140,545 tests of 57 balls are missing.
             let apart = tests.abs_diff(shadow) as f64 / shadow as f64;
             println!("{count} balls, eye {eye}: {tests} tests of shadow rays, {shadow} in double precision");
             assert!(apart < 5e-4, "{count}, eye {eye}: {tests} tests of shadow rays, {shadow} in double precision");
@@ -149,8 +149,8 @@ fn rays_are_tested_against_every_object_and_shadow_rays_until_one_is_met() {
     }
 }
 
-/// Tests what the benchmark of Raghuvanshi and Dhande compares: a T-buffer with a list, which the shadow rays traverse,
-/// and a shadow-buffer.
+/// Tests the configuration of the benchmark of Raghuvanshi and Dhande: a T-buffer with a shadow-buffer, and a list that
+/// the shadow rays traverse.
 #[test]
 fn t_buffers_and_shadow_buffers_over_lists_show_what_they_show_over_trees() {
     let three = Builtin::ThreeSpheresMirrors;
@@ -170,7 +170,7 @@ fn t_buffers_and_shadow_buffers_over_lists_show_what_they_show_over_trees() {
         });
         assert_same(&drawn, &rays, exact, name);
         assert_same(&drawn, &pair(&mut renderer, &tree, camera, Method::Naive), exact, name);
-        // The number of shadow rays stays the same. Closest hits only take tests of primitives near the pixel.
+        // The number of shadow rays stays the same. For closest hits, only primitives near the pixel are tested.
         let [drawn, rays] = [&drawn, &rays].map(|pair| pair.statistics.left);
         assert_eq!((drawn.rays.primary, drawn.rays.shadow), (0, rays.rays.shadow), "{name}");
         let primary = rays.rays.primary * scene.primitive_count() as u64;
@@ -193,7 +193,7 @@ fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_erro
     let (scene, camera) = stack(6000, StackedKind::Spheres, 24);
     let [list, tree] =
         [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).wait().unwrap());
-    // Counted frames trace one ray per lane, others four on a software adapter.
+    // With counters a lane traces one ray, otherwise four on a software adapter.
     let uncounted =
         renderer.pair(&list, &camera).options(&Options::new(Method::Naive).linear(true)).read().wait().unwrap();
     assert!(!uncounted.statistics.in_steps);
@@ -203,8 +203,8 @@ fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_erro
     assert!(!list.statistics.in_steps);
     assert!(list.statistics.left.primitive_tests > 24 * 24 * 6000);
 
-    // Ten lamps take more rounds than a software adapter allows a thread. The frame continues in steps and shows the
-    // same picture.
+    // Ten lamps need more loop rounds than a software adapter allows a thread. The frame continues in steps and shows
+    // the same picture.
     let (mut scene, camera) = stack(6000, StackedKind::Spheres, 8);
     let lamp = scene.lights[0];
     scene.lights.extend(
@@ -266,7 +266,7 @@ fn copies_stay_in_a_list_and_the_smaller_id_still_wins() {
 
 #[test]
 fn the_stack_fills_the_view() {
-    // The bounds are half a percent of the pixels less than measured: 59.6, 79.3, 79.3, 88.4, 89.7; 40.5, 82.5, 86.8.
+    // The bounds are half a percentage point below the measured shares: 59.6, 79.3, 79.3, 88.4, 89.7; 40.5, 82.5, 86.8.
     for (count, kind, least) in [
         (3, StackedKind::Spheres, 0.59),
         (50, StackedKind::Spheres, 0.788),
@@ -282,7 +282,7 @@ fn the_stack_fills_the_view() {
         let covered = left.depth.iter().filter(|depth| depth.is_finite()).count() as f64 / left.depth.len() as f64;
         println!("{count} {kind:?}: {:.1}% of the pixels", 100.0 * covered);
         assert!(covered >= least, "{count} {kind:?}: {covered}");
-        // Surfaces above the lamp's level are lit from the front, so there are shadows and light.
+        // Surfaces above the lamp's level are lit from the front, so each picture has both shadow and light.
         let mean = left.linear.iter().map(|color| f64::from(color[1])).sum::<f64>() / left.linear.len() as f64;
         assert!((0.05..0.8).contains(&mean), "{count} {kind:?}: {mean}");
     }

@@ -36,7 +36,7 @@ fn a_white_sky_comes_back_from_what_loses_none_and_never_more_of_it() {
     let mirror = |fresnel| Finish::Mirror { fresnel };
     let glass = |index, fresnel| Finish::Glass { index, transmission: Vec3::ONE, fresnel };
     let plain = |albedo: f32, specular: f32| Material::new(Vec3::splat(albedo)).specular(Vec3::splat(specular));
-    // In a ball of glass that is met at a grazing angle, some light is left inside after the last bounce.
+    // If a ray enters a glass ball at a grazing angle, some light is still inside after the last bounce.
     for (name, material, least, most) in [
         ("diffuse", plain(1.0, 0.0), 1.0, 1.0),
         ("grey", plain(0.25, 0.0), 0.25, 0.25),
@@ -70,7 +70,7 @@ fn lobe(exponent: f64, to_light: DVec3, to_eye: DVec3) -> f64 {
     if cosine <= 0.0 { 0.0 } else { (exponent + 2.0) / 2.0 * cosine.powf(exponent) * to_light.y }
 }
 
-/// Returns points of a hemisphere that stand for equal solid angles (Fibonacci's).
+/// Returns points of a hemisphere that stand for equal solid angles (a Fibonacci lattice).
 fn hemisphere(count: u32) -> impl Iterator<Item = DVec3> {
     (0..count).map(move |index| {
         let y = (f64::from(index) + 0.5) / f64::from(count);
@@ -111,7 +111,7 @@ fn kernels_make_the_normalised_lobe_and_leave_mtls_as_it_is() {
         let glossy = Material::new(Vec3::splat(albedo)).specular(Vec3::splat(specular)).exponent(exponent);
         let mut scene = floor();
         scene.shadows = false;
-        // A plate is above the floor, which stays white. A ball with MTL's highlights is beside it, out of sight.
+        // A plate lies above the floor, which stays white. A ball with MTL's highlights is beside it, out of sight.
         let plate = scene.add_material(glossy.clone().normalised(normalised));
         let other = scene.add_material(glossy.normalised(false));
         let corners = [[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]].map(|[x, z]| Vec3::new(x, 1.0, z)).to_vec();
@@ -153,7 +153,7 @@ fn kernels_make_the_normalised_lobe_and_leave_mtls_as_it_is() {
                 most = most.max(found);
             }
             println!("exponent {exponent}, normalised {normalised}, {degrees} degrees: {most:.4}");
-            // The 1500 points deviate from a hemisphere by this much.
+            // The bound allows for the deviation of 1500 points from a hemisphere.
             assert!(!normalised || most < 1.005 && (degrees > 0.0 || most > 0.995), "{exponent} {degrees}: {most}");
         }
     }

@@ -32,7 +32,7 @@ fn a_red_sphere_at_plus_x_is_right_of_the_centre_and_further_left_for_the_right_
         let pair = render(&scene, &camera, Method::Naive);
         let (left, right) = columns(&pair);
         assert!(left > 64.0, "left eye sees it at column {left}");
-        // The silhouette's centre has the parallax of the sphere's centre, within the sphere's own relief.
+        // The silhouette's centre has the parallax of the sphere's centre, up to the sphere's extent in depth.
         let expected = pair.pose.parallax_px(5.0 - z);
         assert!((right - left - expected).abs() < 1.0, "z {z}: {left} {right}, expected {expected}");
         assert!(right - left < last, "nearer is further left");
@@ -40,8 +40,8 @@ fn a_red_sphere_at_plus_x_is_right_of_the_centre_and_further_left_for_the_right_
     }
 }
 
-/// Returns the surface that a ray through a sphere over a plane sees: 0 sky, 1 the plane lit, 2 the plane in shadow, 3
-/// the sphere lit, 4 the sphere unlit. Also returns the hit's depth and the cosine of the light's angle.
+/// Returns the surface that a ray sees in a scene of a sphere over a plane: 0 sky, 1 the lit plane, 2 the plane in
+/// shadow, 3 the lit sphere, 4 the unlit sphere. Also returns the hit's depth and the cosine of the light's angle.
 fn sphere_over_plane(origin: DVec3, direction: DVec3, light: DVec3) -> (u32, f64, f64) {
     let (center, radius) = (DVec3::new(0.0, 1.0, 0.0), 1.0);
     let sphere = |o: DVec3, d: DVec3| {
@@ -136,8 +136,8 @@ fn a_sphere_over_a_plane_with_one_shadow_is_as_by_formula() {
 
 #[test]
 fn a_closed_mesh_shows_no_crack_where_rays_go_exactly_through_its_vertices_and_edges() {
-    // Steps of a power of two make every direction and every product exact. All rays go through lattice points, which
-    // are vertices, edge middles and diagonals of the front wall.
+    // Steps of a power of two make every direction and every product exact. All rays go through lattice points of the
+    // front wall, which are vertices, or points on edges and diagonals.
     for spacing in [0.25_f32, 0.5, 1.0] {
         let count = (36.0 / spacing) as u32;
         let point = |i: u32, j: u32, z: f32| Vec3::new(i as f32 * spacing - 18.0, j as f32 * spacing - 18.0, z);
@@ -237,14 +237,14 @@ fn shadow_rays_leave_their_surface_at_every_scale_and_far_from_the_origin() {
 
 #[test]
 fn shadows_reach_to_their_casters_at_every_scale_and_place() {
-    // A wall stands on a floor, lit from above. At its foot the floor is in shadow up to x = 0.26, unless the shadow
-    // rays start above the wall. This is the other side of the acne test. The farther lights are 20 and 10,000 times
-    // the scene's side away.
+    // A wall stands on a floor, lit from above. The floor is in shadow from the wall to x = 0.26, unless shadow rays
+    // start above the wall. This test complements the acne test. The distances of the farther lights are 20 and 10,000
+    // times the scene's side.
     let places = [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e3), (1.0, 1e5), (1e-3, 1.0)];
     for ((scale, offset), away) in places.into_iter().flat_map(|place| [1.0, 30.0, 2e4].map(|away| (place, away))) {
         let place = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) * scale + Vec3::splat(offset);
         if 10.0 * away * scale > 1e8 {
-            continue; // refused
+            continue; // the library refuses this light
         }
         let mut scene = Scene::new();
         let floor = vec![place(-9.0, 0.0, -9.0), place(9.0, 0.0, -9.0), place(9.0, 0.0, 9.0), place(-9.0, 0.0, 9.0)];
@@ -278,7 +278,7 @@ fn a_ball_does_not_shadow_its_lit_side_however_far_the_light() {
             let towards = Vec3::new(0.5, 0.7, 0.6).normalize();
             let position = center + towards * (away * scale);
             if position.abs().max_element() > 1e8 {
-                continue; // refused
+                continue; // the library refuses this light
             }
             scene.lights = vec![Light::point(position, Vec3::ONE)];
             let pair = render(&scene, &camera, Method::Ideal);
@@ -310,7 +310,7 @@ fn the_hall_shows_no_acne() {
     let mut flat = Scene::new();
     flat.add_mesh(&Mesh::new(corners, faces)).unwrap();
     let (dark, seen) = acne(&flat, &camera);
-    // Measured 0. The bound leaves a pixel or two for concave corners on other adapters.
+    // The measured number is 0. The bound leaves a pixel or two for concave corners on other adapters.
     assert!(dark <= 2, "{dark} of {seen}");
 }
 

@@ -1,6 +1,6 @@
-//! Compares with stored pictures, after all tests against independent references.
+//! Compares pictures with stored pictures, in addition to all tests against independent references.
 //!
-//! To renew them, run `STEREOTRACE_RENEW_GOLDEN=1 cargo test --test golden`, and look at them.
+//! To renew the stored pictures, run `STEREOTRACE_RENEW_GOLDEN=1 cargo test --test golden`, and look at them.
 
 use crate::common;
 
@@ -13,12 +13,12 @@ use stereotrace::{
     wgpu,
 };
 
-/// Difference of a channel that does not count, since other adapters round differently.
+/// Maximum difference of a channel that is ignored, since other adapters round differently.
 const TOLERANCE: u8 = 3;
 
-/// Returns how many pixels of `total` may differ by more. Software adapters compute nearly alike: 2 of 20,736 pixels
-/// differ on llvmpipe's Vulkan, its OpenGL and `SwiftShader`. Five times as many are allowed. On GPUs single pixels at
-/// edges may differ, and half a percent is allowed.
+/// Returns how many pixels of `total` may differ by more. Software adapters differ little: 2 of 20,736 pixels on
+/// llvmpipe's Vulkan, its OpenGL and `SwiftShader`. Five times as many are allowed. On GPUs single pixels at edges may
+/// differ, and half a percent is allowed.
 fn allowed(total: usize) -> usize {
     match renderer().gpu().adapter_info().device_type {
         wgpu::DeviceType::Cpu => total / 2000,
@@ -68,7 +68,7 @@ fn the_hall_s_right_view_by_the_default_method_is_as_stored() {
     let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
     let pair = renderer.pair(&uploaded, &Builtin::Hall.camera(192, 108)).read().wait().unwrap();
     drop(renderer); // `check` takes this renderer
-    // With five lights, bracket is cheaper on software adapters and on GPUs.
+    // With five lights, bracket is cheaper than naive on software adapters and on GPUs.
     assert_eq!(pair.statistics.method, Method::BRACKET);
     check("hall_default", &pair.right.picture());
 }

@@ -19,8 +19,8 @@ fn truth_of(scene: &Scene, camera: &StereoCamera) -> (StereoPair, GroundTruth) {
     (pair, truth)
 }
 
-/// Returns an eye (-1 left, 1 right) and the direction through a pixel's centre, of length 1 along the view axis. It
-/// uses the numbers of [`Pose`] alone.
+/// Returns an eye (-1 left, 1 right) and the direction through a pixel's centre. The direction has length 1 along the
+/// view axis. Both are computed from the fields of [`Pose`] alone.
 fn ray(pose: &Pose, side: f64, column: usize, row: usize) -> (DVec3, DVec3) {
     let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
     let eye = pose.eye + right * (0.5 * side * f64::from(pose.interaxial));
@@ -40,8 +40,8 @@ fn vector(of: [f32; 3]) -> DVec3 {
     DVec3::from_array(of.map(f64::from))
 }
 
-/// Returns a scene of all kinds of primitives: a mesh with normals, a ball and a rotated ellipsoid, on a plane, before
-/// sky.
+/// Returns a scene of all kinds of primitives: a mesh with normals, a ball and a rotated ellipsoid, on a plane, in
+/// front of the sky.
 fn still_life() -> Scene {
     let mut scene = Scene::new();
     let materials = [(); 4].map(|()| scene.add_material(Material::new(Vec3::ONE)));
@@ -63,7 +63,8 @@ fn still_life_camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.2, 1.4, 5.0), Vec3::new(0.0, 0.7, 0.0)).size(161, 97).interaxial(0.3)
 }
 
-/// Without shadows, a white surface shows `max(0, n · l)` of a lamp. So three lamps along the axes show n.
+/// Without shadows, the brightness of a white surface under a lamp is `max(0, n · l)`. So three lamps along the axes
+/// show n.
 #[test]
 fn shading_normals_are_those_that_surfaces_are_lit_by() {
     let mut scene = still_life();
@@ -92,7 +93,7 @@ fn shading_normals_are_those_that_surfaces_are_lit_by() {
                     // If a surface is edge-on to the lamp, rounding decides whether it faces the lamp.
                     let off = if geometric[axis].abs() < 1e-4 { 0.0 } else { (expected - light[axis]).abs() };
                     worst = worst.max(off);
-                    // Vertex normals are stored in 32 bits. Measured 2.4e-5.
+                    // Vertex normals are stored in 32 bits. The measured error is 2.4e-5.
                     assert!(off < 1e-4, "pixel {index}, axis {axis}: {expected} and {}", light[axis]);
                 }
                 smooth += usize::from(shading != geometric);
@@ -128,7 +129,7 @@ fn depth_distance_disparity_and_normals_are_those_of_closed_forms() {
                     (z, (origin + direction * z - center).normalize())
                 }
                 id if id == spheres + 1 => {
-                    // The normal is the gradient of |A⁻¹ (p - c)|², by the inverse of the axes in f64.
+                    // The expected normal is the gradient of |A⁻¹ (p - c)|², with the inverse of the axes in f64.
                     let ellipsoid = scene.ellipsoids()[0];
                     let inverse = ellipsoid.axes.as_dmat3().inverse();
                     let gradient = inverse.transpose() * (inverse * (point - ellipsoid.center.as_dvec3()));
@@ -163,8 +164,9 @@ fn depth_distance_disparity_and_normals_are_those_of_closed_forms() {
     }
     println!("depth, distance, disparity in px, normal: off by {worst:?}");
     assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
-    // These errors are relative to depth times the sine of the angle to the surface. Measured 2.4e-7, 2.6e-7, 2.4e-6
-    // and 1.1e-5. The last is the error of the ellipsoid, whose expected normal has the depth's rounding.
+    // The first two errors are relative to depth, times the sine of the angle to the surface. The measured errors are
+    // 2.4e-7, 2.6e-7, 2.4e-6 and 1.1e-5. The last one is the error of the ellipsoid's normal. Its expected normal is
+    // computed from the rounded depth.
     let bounds = [1e-6, 1e-6, 1e-5, 3e-5];
     assert!(worst.iter().zip(bounds).all(|(off, bound)| *off < bound), "{worst:?}");
 }
@@ -338,7 +340,7 @@ fn kitti_refuses_negative_disparities_and_takes_those_before_a_far_screen() {
         message.contains("is not above 0, which KITTI's PNG file can't hold: render the pair with parallel cameras")
     );
     assert!(folder.names().is_empty());
-    // The plane continues behind any screen, but its visible part does not.
+    // The plane extends behind any screen, but its visible part is in front of this screen.
     let low = still_life_camera().target(Vec3::new(0.0, -2.0, 0.0)).vertical_fov_degrees(30.0);
     add(&low.screen_distance(1e3)).unwrap();
     assert_eq!(folder.names(), ["a.png"]);

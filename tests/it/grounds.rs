@@ -17,16 +17,17 @@ use truth::{Seen, Truth};
 const WIDTH: u32 = 200;
 const HEIGHT: u32 = 150;
 
-/// Maximum share of wrong colours of a ground, and maximum error of a depth relative to it.
+/// Maximum share of the ground's pixels with a wrong colour, and maximum relative error of a depth.
 const WRONG_SHARE: f64 = 1e-3;
 const DEPTH_ERROR: f64 = 1e-5;
 /// Smallest sine of the angle between ray and tilted ground for which the depth bound holds. Rounding a unit normal to
-/// f32 moves a hit by up to some 1e-7 of its depth over that sine. Below it, the bound grows in the same way.
+/// f32 moves a hit by up to some 1e-7 of its depth over that sine. At smaller sines, the bound grows in the same way.
 const GRAZING: f64 = 0.02;
 /// Maximum error of the colour of a floor's pixel, in steps of 255.
 const STEPS: u8 = 3;
 
-/// Methods whose right pixels show their own rays' hits. The others reuse some samples from up to half a pixel beside.
+/// Methods whose right pixels show the hits of their own rays. The other methods reuse some samples from up to half a
+/// pixel away.
 const OWN_RAYS: [&str; 4] = ["bracket", "verified", "bracket-rays", "auto"];
 const COPIED: [&str; 6] = ["atomic", "buffer", "buffer-2e", "es-isler", "adelson-hodges", "atomic-edges"];
 
@@ -115,7 +116,8 @@ fn far_apart(found: [u8; 4], expected: [u8; 3]) -> bool {
 struct Judged {
     floor: usize,
     wrong_colors: usize,
-    /// Largest error relative to the depth, and the same with angles below [`GRAZING`] scaled to that angle.
+    /// Largest relative error of the depth. For the second value, errors at angles below [`GRAZING`] are scaled to that
+    /// angle.
     depth_error: f64,
     scaled_depth_error: f64,
     least_slope: f64,
@@ -165,8 +167,8 @@ fn is_floor(scene: &Scene, primitive: u32) -> bool {
     material.name == "grey"
 }
 
-/// Counts reused floor pixels whose colour is nowhere near in the true view, since they come from up to a pixel beside.
-/// Also returns the number of pixels compared.
+/// Counts reused floor pixels whose colour does not occur nearby in the true view. Reused samples come from up to a
+/// pixel away, so all nine pixels around each pixel are compared. Also returns the number of reused floor pixels.
 fn acne_of_copies(pair: &StereoPair, truth: &[Seen], scene: &Scene) -> (usize, usize) {
     let (width, height) = (WIDTH as usize, HEIGHT as usize);
     let inner = (1..height - 1).flat_map(|row| (1..width - 1).map(move |column| row * width + column));
@@ -219,7 +221,7 @@ fn faults(ground: Ground, judge: impl Fn(&Judged) -> Option<String>, boxes: bool
     for name in COPIED {
         let pair = pair_by(name);
         let traced = Judged::new(&pair, &pair.right, &right, &scene, |index| pair.source[index] != PixelSource::Reused);
-        // These are few pixels, most of them at edges. Their number may be the allowed share of the whole floor.
+        // Few pixels are traced, most of them at edges. So the allowed share refers to all pixels of the picture.
         let share = Judged { floor: WIDTH as usize * HEIGHT as usize, ..traced };
         report(name, &share);
         acne.push((name, acne_of_copies(&pair, &right, &scene)));
@@ -297,7 +299,7 @@ fn ground_spheres_beyond_have_no_acne_and_are_off_by_at_most_an_ulp_of_the_radiu
     assert_none(&[1e5, 1e6].map(beyond).concat());
 }
 
-/// Tests whole and flat ellipsoids along the world's axes. Their matrices are exact or nearly exact.
+/// Tests thick and flat ellipsoids along the world's axes. Their matrices are exact or nearly exact.
 #[test]
 fn ground_ellipsoids_to_10_000_are_as_in_double_precision() {
     let sizes = [(20.0, 5.0), (1000.0, 1.0), (1e4, 5e3), (1e4, 10.0)];
@@ -305,7 +307,7 @@ fn ground_ellipsoids_to_10_000_are_as_in_double_precision() {
     assert_none(&sizes.map(|size| faults(ground(size), exact, true)).concat());
 }
 
-/// The rounding of the matrices moves these ellipsoids by some ulps of their size. They have no acne.
+/// The rounding of the matrices moves these ellipsoids by some ulps of their size, but they have no acne.
 #[test]
 fn tilted_and_vast_ground_ellipsoids_have_no_acne_and_are_off_by_at_most_two_ulps() {
     let beyond = |(radius, height, tilt_degrees): (f32, f32, f32)| {
@@ -320,7 +322,7 @@ fn tilted_and_vast_ground_ellipsoids_have_no_acne_and_are_off_by_at_most_two_ulp
     assert_none(&sizes.map(beyond).concat());
 }
 
-/// Tests the comparison itself: it must detect a wrong shadow bit, one colour step too many, or the depth of another
+/// Tests the comparison itself. It must detect a wrong shadow bit, one colour step too many, or the depth of another
 /// plane.
 #[test]
 fn a_wrong_pixel_a_wrong_depth_and_a_hole_are_seen() {

@@ -15,13 +15,14 @@ use stereotrace::{
 };
 use truth::Truth;
 
-/// Maximum ratio of a ray's tests with a huge ground to those with a ground that ends beside the picture. Measured:
-/// 1.7, by the ground's own two triangles. If all boxes were widened equally, it would be thousands.
+/// Maximum ratio of tests per ray, between a huge ground and a ground that ends just outside the picture. The measured
+/// ratio is 1.7, due to the ground's own two triangles. It would be thousands if all boxes were widened equally.
 const MORE_TESTS: f64 = 2.0;
-/// Maximum ratio of tests by `bracket`: measured 3.2. The huge ground's depth range is larger. Each ray that tests
-/// narrow shadows again meets the ground's two triangles.
+/// Maximum ratio of tests by `bracket`. The measured ratio is 3.2, since the huge ground has a larger depth range.
+/// Also, each ray that tests narrow shadows again meets the ground's two triangles.
 const MORE_TESTS_BY_BRACKET: f64 = 3.8;
-/// Maximum building time. Building takes less than a second. Quadratic building took twenty for a sixth of the copies.
+/// Maximum building time. Building takes less than a second. Quadratic building took twenty seconds for a sixth of the
+/// copies.
 const BUILD: Duration = Duration::from_secs(5);
 
 fn quad(half_side: f32, height: f32) -> Mesh {
@@ -39,7 +40,7 @@ enum Pebble {
     Spheres,
 }
 
-/// Returns a thousand pebbles of 2 mm within half a metre, on a ground of any size, in metres.
+/// Returns 1500 pebbles of up to 2 mm within half a metre, on a ground of any size, in metres.
 fn pebbles(kind: Pebble, half_side: f32) -> Scene {
     let mut scene = Scene::new();
     scene.add_mesh(&quad(half_side, 0.0)).unwrap();
@@ -83,8 +84,8 @@ fn counted(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, method
     renderer.pair(&uploaded, camera).options(&Options::new(method).count(true)).read().wait().unwrap()
 }
 
-/// Returns the number of pixels that do not show what double precision sees along their rays. Pixels within 0.01 pixels
-/// of an edge don't count, since f32 may see either side.
+/// Returns the number of pixels whose hit differs from a trace of the same ray in double precision. Pixels within 0.01
+/// pixels of an edge don't count, since f32 may see either side.
 fn wrong_hits(scene: &Scene, pair: &StereoPair) -> usize {
     let truth = Truth::new(scene);
     let frame = Frame::new(&pair.pose);
@@ -96,8 +97,8 @@ fn wrong_hits(scene: &Scene, pair: &StereoPair) -> usize {
         let hit = |direction| truth.closest(origin.as_dvec3(), direction);
         let (t, primitive) = hit(direction.as_dvec3());
         let same = pair.left.primitive[index] == primitive;
-        // At this depth the other half of the ground's quad is also correct, since rounding of a far corner moves the
-        // line between the halves.
+        // A hit on the other half of the ground's quad is also correct at this depth, since rounding of a far corner
+        // moves the line between the halves.
         let close = (f64::from(pair.left.depth[index]) - t).abs() < 1e-5 * t;
         if close || (same && primitive == MISS) {
             return false;
@@ -204,7 +205,7 @@ fn seen(pair: &StereoPair) -> Vec<u32> {
     seen
 }
 
-/// Runs searches from few primitives to many, up to the first fault, since quadratic work would take minutes.
+/// Runs checks from few primitives to many, up to the first fault. After a fault, quadratic work would take minutes.
 fn assert_none<F: FnOnce() -> Option<String>>(searches: impl IntoIterator<Item = F>) {
     let fault = searches.into_iter().find_map(|search| search());
     assert!(fault.is_none(), "{}", fault.unwrap_or_default());
@@ -221,7 +222,7 @@ fn copies_of_one_triangle_build_and_render_and_the_first_is_seen() {
     }));
 }
 
-/// Copies are in a corner of a scene with other triangles, so that both kinds of splits are needed.
+/// The copies are in a corner of a scene with other triangles, so that the build needs both kinds of splits.
 #[test]
 fn copies_beside_other_triangles_build_and_render() {
     assert_none([200, 1000, 20_000].map(|count| {
@@ -240,7 +241,7 @@ fn copies_beside_other_triangles_build_and_render() {
     }));
 }
 
-/// The spheres have one centre, or centres on a line such that all touch one point from one side.
+/// The spheres are concentric, or their centres are on a line such that all spheres touch in one point.
 #[test]
 fn nested_spheres_build_and_render_and_the_outermost_is_seen() {
     let cases = [200, 2000, 200_000].into_iter().flat_map(|count: u32| [(count, 0.0), (count, 1.0)]);
@@ -253,7 +254,7 @@ fn nested_spheres_build_and_render_and_the_outermost_is_seen() {
                 scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap();
             }
             let name = if aside == 0.0 { "concentric" } else { "tangent" };
-            // Where spheres touch, rounding may show another one.
+            // Where spheres touch, rounding may decide which sphere is shown.
             fault(&format!("{count} {name} spheres"), &scene, &camera(), |pair| {
                 let seen = seen(pair);
                 seen.contains(&(count - 1)) && (aside > 0.0 || seen.len() == 1)

@@ -1,4 +1,4 @@
-//! Tests jittered samples: pictures against filters in f64 of the colours at the documented positions.
+//! Tests jittered samples. The expected pictures are filtered in f64 from the colours at the documented positions.
 
 use crate::common;
 
@@ -13,8 +13,7 @@ use stereotrace::{
     glam::Vec3, testing::suite::Trial,
 };
 
-/// Returns the offset of a row's samples from the middles of their cells to the right, in cells, as docs/DESIGN.md
-/// defines it.
+/// Returns the distance of a row's samples to the right of their cells' middles, in cells. docs/DESIGN.md defines it.
 fn offset(side: u32, seed: u32, row: u32) -> f64 {
     let hash = |row: u32| pcg(row ^ pcg(seed));
     let pixel = row / side;
@@ -58,7 +57,7 @@ fn camera(width: u32, height: u32) -> StereoCamera {
     sampling::camera(width, height).eye(5.0 * Vec3::Z)
 }
 
-/// Returns a white half plane on the screen, before black, where `x cos a + y sin a < d`.
+/// Returns a white half plane on the screen, where `x cos a + y sin a < d`, in front of black.
 fn half_plane(angle: f32, d: f32) -> Scene {
     let mut scene = Scene::new();
     let white = scene.add_material(Material::new(Vec3::ONE));
@@ -71,7 +70,7 @@ fn half_plane(angle: f32, d: f32) -> Scene {
     scene
 }
 
-/// Tests upright, level and slanted edges on the screen, whose points both eyes see in one place.
+/// Tests vertical, horizontal and slanted edges on the screen. Both eyes see points of the screen at the same position.
 #[test]
 fn an_edge_covers_what_the_documented_places_say_in_both_eyes() {
     let mut renderer = renderer();
@@ -112,7 +111,7 @@ fn an_upright_edge_has_as_many_levels_as_a_pixel_has_samples() {
     for jitter in [false, true] {
         let mut levels = std::collections::BTreeSet::new();
         for step in 0..60 {
-            // The edge moves by one pixel of 0.4 to the right, in 60 steps.
+            // In 60 steps, the edge moves to the right by one pixel, which is 0.4 units.
             let uploaded = renderer.upload(&half_plane(0.0, 0.001 + step as f32 * 0.4 / 60.0)).wait().unwrap();
             let options = Options::new(Method::Naive).samples(side * side).jitter(jitter).linear(true);
             let pair = renderer.pair(&uploaded, &camera(10, 1)).options(&options).read().wait().unwrap();
@@ -156,7 +155,7 @@ fn depth_ids_and_sources_are_those_of_rays_through_the_pixels_centres() {
         assert!(without_color(&pair.left) == without_color(&one.left), "{samples}");
         assert!(without_color(&pair.right) == without_color(&one.right), "{samples}");
         assert!(pair.source == one.source && pair.shadow_source == one.shadow_source, "{samples}");
-        // With one sample, the sample is in the centre.
+        // A single sample is in the pixel's centre, with and without jitter.
         assert_eq!(pair.left.rgba8 == still.left.rgba8, samples == 1);
         let rays = 61 * 40 * u64::from(if samples == 1 { 1 } else { samples + 1 });
         assert_eq!(pair.statistics.left.rays.primary, rays);
@@ -211,8 +210,8 @@ fn methods_that_agree_without_jitter_agree_with_it() {
     }
 }
 
-/// Methods that reuse colours have as many wrong pixels with jitter as without. They reuse along a row, and all samples
-/// of a row have the same offset.
+/// Methods that reuse colours have as many wrong pixels with jitter as without. They reuse samples of the same row, and
+/// all samples of a row have the same offset.
 #[test]
 fn methods_that_copy_are_as_wrong_as_without_jitter() {
     let mut renderer = renderer();

@@ -1,4 +1,4 @@
-//! Tests lights, ambient light and the placement of lights: invalid values, and default values.
+//! Tests lights, ambient light and the placement of lights, with invalid values and with default values.
 
 use crate::common;
 
@@ -119,7 +119,8 @@ fn lights_stand_in_the_eyes_surroundings_and_not_in_the_ground() {
         for half in [200.0, 1e4, 1e6] {
             let mut scene = ground(half);
             scene.add_sphere(object).unwrap();
-            // Below the ground is an object as high as the ground is wide, so that the bounding box is a cube.
+            // A triangle extends as far below the ground as above it, so that the bounding box is as high as the ground
+            // is wide.
             let tower = Vec3::new(0.5 * half, half, 0.0);
             let mast = vec![tower, Vec3::new(0.5 * half, -half, 0.0), tower + Vec3::X];
             scene.add_mesh(&Mesh::new(mast, vec![[0, 1, 2]])).unwrap();
@@ -130,7 +131,7 @@ fn lights_stand_in_the_eyes_surroundings_and_not_in_the_ground() {
     }
 }
 
-/// Tests the rule without its second part, as it is documented.
+/// Tests the documented rule without its second part.
 #[test]
 fn built_in_scenes_have_their_lights_in_their_boxes() {
     for &builtin in Builtin::ALL {

@@ -1,5 +1,5 @@
-//! Tests the limits that a device must have. Below a limit a device is refused by the limit's name. At the limit
-//! everything renders.
+//! Tests the limits that a device must have. A device below a limit is refused, and the error names the limit. A device
+//! at the limit renders everything.
 
 use crate::common;
 
@@ -27,7 +27,7 @@ const CHECKED: [Limit; 11] = [
     ("max_compute_workgroups_per_dimension", |limits| &mut limits.max_compute_workgroups_per_dimension),
 ];
 
-/// Returns the name of the limit for which the device is refused.
+/// Returns the name of the limit because of which the device is refused.
 fn refused(limits: wgpu::Limits) -> &'static str {
     let (device, queue) = device(limits);
     match Gpu::from_device(device, queue) {

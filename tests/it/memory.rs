@@ -52,7 +52,7 @@ struct Outcome {
 fn both(files: Files, options: &SceneOptions) -> Outcome {
     warnings::collect();
     let folder = Folder::new("memory");
-    // The names contain a folder of this test alone, so that its warnings can be found.
+    // The names contain a folder that only this test uses, so that the warnings of this test can be found.
     let [above, own] = [folder.path().parent(), folder.path().file_name().map(Path::new)].map(|path| path.unwrap());
     let (above, own) = (format!("{}/", above.display()), own.display().to_string());
     let mut given = BTreeMap::new();
@@ -261,7 +261,7 @@ fn files_without_their_folders_are_found_by_their_names() {
     let obj = format!("mtllib lib/my house.mtl\n{TRIANGLE}usemtl a\n{FACE}");
     let files: [(&str, &[u8]); 2] = [("house.obj", obj.as_bytes()), ("My house.mtl", b"newmtl a\nKd 1 0 0\n")];
     assert_eq!(from_memory("house.obj", &files, &options).unwrap().scene.materials().len(), 2);
-    // Paths may be written as by browsers and Windows, and the main file may be named by any of these forms.
+    // Paths may have the forms that browsers and Windows use. The name of the main file may have any of these forms.
     let (text, buffer, picture) = gltf_files("data/a.bin", "../tex/a%2Bb.png");
     let files: [(&str, &[u8]); 3] = [
         ("/town/house/a.gltf", text.as_bytes()),

@@ -12,8 +12,8 @@ use stereotrace::{
     scene::builtin::Builtin,
 };
 
-/// Depth of the wall behind everything. Its colour shows the position of a hit, red from left to right and green from
-/// below.
+/// Depth of the wall behind everything. Its colour gives the position of a hit: red grows from left to right, and green
+/// from bottom to top.
 const WALL_Z: f32 = -4.0;
 const WALL_HALF: f32 = 6.0;
 const SKY: Vec3 = Vec3::new(0.1, 0.2, 0.6);
@@ -151,7 +151,7 @@ fn balls_send_on_what_a_tracer_in_double_precision_sees() {
                 off += usize::from((DVec3::new(r, g, b) - expected).abs().max_element() > 0.004);
             }
             println!("{bounces} bounces, eye {side}: {off} of {}", view.linear.len());
-            // If a ball's rim is seen by way of another ball, f32 may see past it.
+            // If a ball's rim is seen in another ball, f32 may miss the rim.
             assert!(off <= 20, "{bounces} bounces, eye {side}: {off}");
         }
     }
@@ -207,13 +207,14 @@ fn the_second_eye_sends_its_own_rays_by_every_method_and_traversal() {
             let first = first.get_or_insert_with(|| naive.clone());
             assert!((&naive.left, &naive.right) == (&first.left, &first.right), "{traversal:?}");
         }
-        // The thesis's methods reuse the hit. So reflections follow the eye, except for half a pixel.
+        // The thesis's methods reuse the hit and trace its reflection from the right eye. So reflections are off by at
+        // most half a pixel.
         let mean_of = |pair: &StereoPair| {
             let off = |(a, b): (&[f32; 4], &[f32; 4])| (a[0] - b[0]).abs();
             pair.right.linear.iter().zip(&naive.right.linear).map(off).sum::<f32>() / naive.right.linear.len() as f32
         };
         for method in [Method::ATOMIC, Method::BUFFER, Method::ES_ISLER, Method::ADELSON_HODGES, Method::Auto] {
-            // Measured: at most half of the error of the left view's colours.
+            // The measured error is at most half of the error of the left view's colours.
             let by_ideal = mean_of(&render(Method::Ideal));
             let mean = mean_of(&render(method));
             assert!(mean < 0.6 * by_ideal, "{traversal:?} {method}: {mean} for {by_ideal}");
@@ -291,7 +292,7 @@ fn veils_mix_with_what_is_behind_and_mirrors_in_mirrors_end() {
     let [r, g, b, _] = render(&scene, &camera, Options::default()).right.linear[100];
     assert!((Vec3::new(r, g, b) - Vec3::new(0.25, 0.375, 0.375)).abs().max_element() < 1e-6, "{r} {g} {b}");
 
-    // The eyes are between two mirrors, one of them behind the eyes, which reflect a half and emit a little light.
+    // The eyes are between two mirrors, one of them behind the eyes. Both reflect half of the light and emit a little.
     let mut scene = Scene::new();
     let half = Material::new(Vec3::ZERO).specular(Vec3::splat(0.5)).finish(Finish::Mirror { fresnel: false });
     let half = scene.add_material(half.emission(Vec3::splat(0.25)));
@@ -324,7 +325,7 @@ fn rays_that_mirrors_and_glass_send_on_are_summed_too() {
         let options = Options::new(Method::BRACKET).samples(samples).g_buffer(g_buffer);
         renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap().statistics.right.rays
     };
-    // With an even grid, a picture of one sample is also rendered for the values at the pixels' centres.
+    // With an even grid, the values at the pixels' centres come from a separate picture with one sample per pixel.
     let (both, grid, centres) = (rays(4, GBuffer::Ids), rays(4, GBuffer::None), rays(1, GBuffer::Ids));
     assert!(centres.secondary > 0);
     assert_eq!(both.secondary, grid.secondary + centres.secondary);

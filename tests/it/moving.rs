@@ -172,7 +172,7 @@ fn by_every_way_to_read_it_a_changed_scene_looks_as_uploaded_anew() {
     }
 }
 
-/// The scene grows and shrinks across row ends of textures, with and without spare room.
+/// The scene grows and shrinks across the ends of texture rows, with and without spare room.
 #[test]
 fn a_scene_that_grows_and_shrinks_is_rebuilt_into_what_room_there_is() {
     let mut renderer = renderer();
@@ -263,7 +263,7 @@ fn copies_are_refitted_as_long_as_they_are_copies() {
     scene.transform_object(copy, &shift(0.0, 0.0, 0.01)).unwrap();
     let message = refusal(renderer.update(&mut uploaded, &scene, Update::Refit).wait());
     assert!(message.contains("because it was an exact copy of primitive "), "{message}");
-    // The original of a copy without area may be anywhere.
+    // A copy that has lost its area need not be where its original is.
     scene.transform_object(copy, &Affine3A::from_scale(Vec3::ZERO)).unwrap();
     renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
     assert_as_new(&mut renderer, &uploaded, &scene, &[Method::Naive, Method::BRACKET], "the copy shrinks");

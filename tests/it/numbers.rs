@@ -1,4 +1,4 @@
-//! Tests that numbers from which no picture, scene or ray can be made are refused by name.
+//! Tests numbers from which no picture, scene or ray can be made. They are refused, and the error names the field.
 
 use crate::common;
 
@@ -19,7 +19,7 @@ use stereotrace::{
     testing::suite::Trial,
 };
 
-/// Numbers that a caller's arithmetic may produce.
+/// Typical and extreme results of a caller's arithmetic.
 const NUMBERS: [f32; 16] = [
     0.0,
     -0.0,
@@ -80,12 +80,13 @@ fn any_size_makes_a_picture_or_an_error() {
             valid
         );
         for camera in [Builtin::Near.camera(width, height), Trial::Wires.camera(width, height)] {
-            // With a screen of fixed width, some of these pixels are too narrow or the screen is too high.
+            // The camera of the wires has a screen of fixed width. At some sizes its pixels are too narrow or the
+            // screen is too high.
             if let Err(error) = camera.pose() {
                 assert!(!valid || error.to_string().contains("screen_width is"), "{error}");
                 assert!(error.to_string().contains(&format!("{width}x{height}")), "{error}");
             }
-            // Some adapter may accept up to 16 GiB of colours.
+            // Pictures that need at most 16 GiB for their colours are skipped, since some adapter may accept them.
             if valid && u64::from(width) * u64::from(height) <= 1 << 30 {
                 continue;
             }

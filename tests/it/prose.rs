@@ -1,4 +1,4 @@
-//! The prose of code and documents: the length of lines, files that are named, and words of the glossary.
+//! Tests the text of code and documents: the length of lines, the names of files, and the words of a glossary.
 
 use std::{
     collections::BTreeSet,
@@ -6,14 +6,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The longest line of code, comments and pages.
+/// Maximum length of a line of code, comments and pages, in characters.
 const LONGEST: usize = 120;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Returns the files of these endings in the repository's folders of sources and pages.
+/// Returns the files with these extensions in the repository's folders of sources and pages.
 fn files(endings: &[&str]) -> Vec<PathBuf> {
     fn below(folder: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
@@ -121,7 +121,7 @@ fn links_of_pages_resolve() {
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
-/// Words of a private dialect, and what the field says.
+/// Words of a private dialect, each with the words that the field uses.
 const GLOSSARY: [(&str, &str); 12] = [
     ("put off as", "deferred"),
     ("taken over from", "reused from"),

@@ -37,7 +37,7 @@ fn lists(scene: &Scene, camera: &StereoCamera, light: Vec3, far: f32, random: &m
     let scattered = primary.iter().copied().filter(|_| random.unit() < 0.1).collect();
     let inside = 0.5 * (light + points[points.len() / 2]);
     let everywhere = (0..501).map(|_| Ray::new(inside, random.point(1.0))).collect();
-    // Some lanes with four rays have one origin, others have several.
+    // In some lanes the four rays have one origin, in others they have several.
     let bounced = points.iter().enumerate().map(|(index, point)| {
         let origin = if index % 16 < 4 { light } else { *point };
         Ray::new(origin, random.point(0.05 * far)).t_min(1e-3)
@@ -105,7 +105,7 @@ fn every_variant_hits_what_a_search_through_all_primitives_hits() {
 
 #[test]
 fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
-    // If a second ball is far away, the grid's cells are many triangles wide.
+    // If a second ball is far away, a cell of the grid is as wide as many triangles.
     for (scale, offset, far_off, away) in [
         (1e-4, 0.0, 0.0, 1.0),
         (1e5, 0.0, 0.0, 1.0),
@@ -120,7 +120,7 @@ fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
         if far_off > 0.0 {
             scene.add_mesh(&ball(center + Vec3::new(far_off, 0.0, -far_off), scale, 4)).unwrap();
         }
-        // A sheet without thickness is behind the ball, so that its boxes have no thickness either.
+        // A flat sheet is behind the ball, so that its boxes have no thickness.
         let corner =
             |i: u32| center + Vec3::new((i % 21) as f32 * 0.3 - 3.0, (i / 21) as f32 * 0.3 - 3.0, -2.0) * scale;
         let quads = (0..400).map(|i| i / 20 * 21 + i % 20);
@@ -189,7 +189,7 @@ fn rays_from_many_points_close_to_a_large_ground_meet_it_where_it_is() {
             worst = worst.max((f64::from(hit.t) / t - 1.0).abs());
         }
     }
-    // Measured 1.2e-7. With kernels that don't recompute hits on large triangles it was 2.3e-3.
+    // The measured error is 1.2e-7. With kernels that don't recompute hits on large triangles it was 2.3e-3.
     assert!(worst < 5e-7, "{worst:e}");
 }
 

@@ -49,7 +49,7 @@ fn code(path: &Path) -> String {
     text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-/// Returns the first words of the entries between an opening brace and its partner.
+/// Returns the first word of each entry between an opening brace and the matching closing brace.
 fn entries(text: &str) -> Vec<&str> {
     let (mut depth, mut begin, mut found) = (0, 1, Vec::new());
     for (at, letter) in text.char_indices() {

@@ -1,4 +1,5 @@
-//! Tests rows that are read as they are finished, and views that stay on the device: they show the same as whole pairs.
+//! Tests rows that are read as soon as they are finished, and views that stay on the device. Both must equal whole
+//! pairs.
 
 use crate::common;
 
@@ -156,7 +157,7 @@ fn encoded_views_are_those_that_are_read_back() {
     }
 }
 
-/// The scene has nothing to hit, but light of several parts, whose uniforms each band has.
+/// The scene has nothing to hit. But its light is computed in several parts, and each part needs uniforms in each band.
 #[test]
 fn a_sky_alone_is_encoded_whole_in_every_band() {
     let gpu = gpu();

@@ -106,7 +106,7 @@ fn filtered_pictures_are_those_of_the_finer_picture() {
             };
             assert_eq!(pair.statistics.left.rays.primary, own(u64::from(size[0] * size[1])));
             let sources = if side == 2 { one.source.clone() } else { centres(&samples.right, side, &samples.source) };
-            // Samples are searched as deep as the deepest of four tiles, so fewer of them are traced.
+            // Samples are searched down to the deepest bound of four tiles, so fewer of them are traced.
             let as_before =
                 |(found, known): (&PixelSource, &PixelSource)| found == known || *found == PixelSource::Reused;
             assert!(pair.source.iter().zip(&sources).all(as_before), "{side} {filter}");
@@ -198,8 +198,8 @@ fn every_method_is_filtered_and_exact_ones_stay_exact() {
     }
 }
 
-/// Returns a wall at the screen, left of `x` and below `y`, before black. It is lit by ambient light alone, so it is
-/// white.
+/// Returns a wall on the screen, left of `x` and below `y`, in front of black. Only ambient light reaches the wall, so
+/// it is white.
 fn half_planes(x: f32, y: f32) -> Scene {
     let mut scene = Scene::new();
     let white = scene.add_material(Material::new(Vec3::ONE));
@@ -243,7 +243,7 @@ fn constants_stay_constant_and_edges_where_they_are() {
     let mut empty = Scene::new();
     empty.sky = Sky::Constant(Vec3::new(0.3, 0.7, 0.01));
     let empty = renderer.upload(&empty).wait().unwrap();
-    // The edges are in the middle of the picture, which is in a column and in a row.
+    // The edges go through the middle of the picture.
     let edges = renderer.upload(&half_planes(0.0, 0.0)).wait().unwrap();
     for (&filter, side) in Filter::ALL.iter().flat_map(|filter| (1..=5_u32).map(move |side| (filter, side))) {
         let options = Options::new(Method::Naive).samples(side * side).filter(filter).jitter(false).linear(true);
@@ -344,7 +344,7 @@ fn one_sample_is_the_picture_without_any() {
     assert!(usual == one);
     let four = render(&options.clone().samples(4));
     assert!(four.left.linear.is_empty() && four.left.rgba8.len() == 61 * 40);
-    // All outputs of a pair accept it like any other pair.
+    // Anaglyphs and packings of this pair have the usual sizes.
     assert_eq!(four.anaglyph(Anaglyph::Dubois).width, 61);
     assert_eq!(four.packed(Packing::SideBySide).width, 122);
 }

@@ -1,4 +1,5 @@
-//! Tests shadow-buffers: the position of directions in them, and the visibility of points, against shadow rays.
+//! Tests shadow-buffers: the position of directions in them, and the visibility of points in comparison with shadow
+//! rays.
 
 use crate::common;
 
@@ -37,7 +38,7 @@ fn poles_seam_and_axes_stand_where_the_closed_form_says() {
     }
 }
 
-/// The eight octants of directions, by their signs, can be told apart by the position alone.
+/// The position alone tells in which of the eight octants a direction lies.
 #[test]
 fn octants_are_told_apart_by_row_and_column() {
     let mapping = Mapping::whole(64);
@@ -135,8 +136,8 @@ fn by_the_paper_s_rule_convex_objects_shadows_are_within_a_texel_of_the_traced_o
     }
 }
 
-/// Returns whether a texel's range of directions around the pixel's point has both the pixel's object and other
-/// surfaces, as the light sees it.
+/// Returns whether directions within a texel's width of the pixel's point hit both the pixel's object and other
+/// surfaces. The directions start at the light.
 fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usize, texel: f64) -> bool {
     let frame = cpu::Frame::new(&camera.pose().unwrap());
     let (column, row) = (index % view.width as usize, index / view.width as usize);
@@ -144,7 +145,7 @@ fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usi
     let light = scene.lights[0].position.as_vec3();
     let straight = (point - light).as_dvec3().normalize();
     let seen = |theta: f64, phi: f64| {
-        // These directions are around the straight one, by polar angles.
+        // These directions surround the straight direction, at polar angles.
         let aside = straight.any_orthonormal_vector();
         let turned = aside * phi.cos() + straight.cross(aside) * phi.sin();
         let direction = (straight * theta.cos() + turned * theta.sin()).as_vec3();
@@ -161,9 +162,9 @@ fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usi
     kinds == [true, true]
 }
 
-/// Counts the pixels of both views, 200x150 by 200 rows, that differ from shadow rays. Without a margin there are none,
-/// except 15 measured in the far-off scene. With the default margin, the bound is the number measured on llvmpipe, plus
-/// a third and 10.
+/// Checks how many pixels of both views differ from shadow rays, at 200x150 pixels with 200 rows. Without a margin no
+/// pixel may differ, except in the far-off scene, where 15 differed. With the default margin, the bound is the number
+/// measured on llvmpipe, plus a third and 10.
 fn assert_hybrid<'a>(scenes: impl Iterator<Item = (&'a str, Scene, StereoCamera, usize)>) {
     let mut renderer = renderer();
     let mut worse = Vec::new();
@@ -302,8 +303,8 @@ fn the_far_side_of_a_ball_is_dark() {
     assert_exact("a veil", &ball(0.5), StereoCamera::look_at(3.0 * Vec3::Z, Vec3::ZERO), 200);
 }
 
-/// Tests where the planes through the light and a triangle's edges have the largest rounding errors, and where a
-/// triangle's own plane has them.
+/// Tests lights at places where rounding errors are largest. These are errors of the planes through the light and a
+/// triangle's edges, or of the triangle's own plane.
 #[test]
 fn lights_close_to_corners_and_to_large_triangles_are_exact() {
     for seed in 0..6_u8 {
@@ -345,7 +346,7 @@ fn bands_change_no_picture() {
 }
 
 /// A point within the margin is lit regardless of the other points in its lane. Kernels append to lists in any order,
-/// so that lanes hold other points in each run.
+/// so lanes hold other points in each run.
 #[test]
 fn which_points_share_a_lane_changes_no_picture() {
     let camera = Builtin::Hall.camera(700, 350);

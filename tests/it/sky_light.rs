@@ -1,5 +1,5 @@
-//! Tests the sky as a light: against closed forms, against sums over its pixels in double precision, and methods
-//! against each other.
+//! Tests the sky as a light. It is compared with closed forms and with sums over its pixels in double precision, and
+//! methods are compared with each other.
 
 use crate::common;
 
@@ -84,7 +84,8 @@ fn a_gradient_lights_a_ball_by_its_closed_form() {
             }
             let d = frame.direction(stereotrace::testing::cpu::Eye::Left, index % 40, index / 40);
             let normal = camera.pose().unwrap().eye + d.as_dvec3() * f64::from(depth);
-            // This is the integral of (1 + y) / 2 times the cosine, over pi. The mean of y is 2/3 of the normal's y.
+            // The closed form is the integral of (1 + y) / 2 times the cosine, over pi. The mean of y is 2/3 of the
+            // normal's y.
             let form = nadir.as_dvec3().lerp(zenith.as_dvec3(), 0.5 + normal.y / 3.0);
             let mean = if seed == 0 { *sum * f64::from(seeds) } else { *sum };
             if seed == 0 {
@@ -100,7 +101,7 @@ fn a_gradient_lights_a_ball_by_its_closed_form() {
     assert!(count > 400 && first < 0.03 && many < 0.005, "{first} {many} {count}");
 }
 
-/// Tests a wall beside a floor: it leaves half of the sky, at any distance from it.
+/// Tests a wall without end beside a floor. It hides half of the sky from every point of the floor.
 #[test]
 fn a_wall_without_end_keeps_half_of_the_sky_off() {
     let mut scene = floor();
@@ -129,7 +130,8 @@ fn a_wall_without_end_keeps_half_of_the_sky_off() {
     half_of(&scene, 1.0, 8, [0.004, 0.05]);
 }
 
-/// Returns the root mean square error over random shifts of 16 rays by the cosine alone, spread as in the kernels.
+/// Returns the root mean square error of 16 rays with a cosine distribution, over random shifts. Rays are spread as in
+/// the kernels.
 fn noise_by_cosine(sky: &Shown, light: f64) -> f64 {
     let mut random = Random(3);
     let shifts = 4096;
@@ -157,7 +159,7 @@ fn a_sun_of_one_pixel_lights_by_its_angle_and_makes_little_noise() {
     let mut scene = floor();
     scene.sky = Sky::Map(sun.map());
     let brute = sun.light(DVec3::Y, 16, |_| true).x;
-    // This is the pixel's radiance times its solid angle and cosine. Bilinear interpolation keeps the sum.
+    // The closed form is the pixel's radiance times its solid angle and cosine. Bilinear interpolation keeps the sum.
     let down = (row as f64 + 0.5) / height as f64 * PI;
     let form = 1000.0 * (2.0 * PI * PI / (width * height) as f64 * down.sin()) * down.cos() / PI;
     assert!((brute / form - 1.0).abs() < 0.002, "{brute} {form}");
@@ -221,7 +223,7 @@ fn maps_are_weighed_wherever_their_pixels_stand() {
                         &plain
                     )
             );
-            // The table stays in place, or moves to make room for a light.
+            // The refit leaves the table of the sky in place. A further light moves the table.
             renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
             assert!(pair.left == renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap().left);
             let mut with_light = scene.clone();
@@ -278,7 +280,7 @@ fn black_skies_light_nothing_and_mirrors_show_what_the_sky_lights() {
     scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).materials(vec![mirror; 2])).unwrap();
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).wait().unwrap();
-    // The camera looks from above the far mirror onto the floor's edge before it, where hardly any sky is hidden.
+    // The camera looks straight at the mirror, which shows the sky. The floor is too far away to hide any sky.
     let camera = StereoCamera::look_at(Vec3::new(0.0, 3.0, -3e4 + 8.0), Vec3::new(0.0, 3.0, -3e4)).size(9, 9);
     let pair = renderer.pair(&uploaded, &camera).options(&lit(32).linear(true)).read().wait().unwrap();
     assert!(pair.left.linear.iter().all(|color| (color[0] - 0.5).abs() < 1e-5), "{:?}", pair.left.linear);

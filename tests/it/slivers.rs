@@ -59,7 +59,7 @@ impl Kind {
         let across = first.cross(random.point(1.0)).normalize();
         let length = random.between(0.5, 4.0) * scale;
         let thin = 10.0_f32.powf(random.between(-7.0, -3.0)) * length;
-        // A strip begins at a corner and extends along one vector and aside by another.
+        // A strip begins at a corner. One vector gives its length, and the other its width.
         let strip = |from: Vec3, along: Vec3, aside: Vec3| [from, from + aside, from + along + aside, from + along];
         match self {
             Self::Walls => [eye + near * first, eye + near * second, eye + far * second, eye + far * first],
@@ -185,7 +185,7 @@ fn judge(scene: &Scene, truth: &Truth, pose: &Pose, view: &View, eye: Eye, fault
         if found == expected || depth < t * (1.0 + 1e-5) {
             continue; // A nearer surface is tested by the first test.
         }
-        // With the margin, rays a hundredth of a pixel beside also hit the surface.
+        // Rays a hundredth of a pixel away on each side must also hit the surface.
         let pixel = 1.0 / projection.pixels;
         let around = [(BESIDE, 0.0), (-BESIDE, 0.0), (0.0, BESIDE), (0.0, -BESIDE)].map(|(x, y)| {
             let aside = projection.axes[0] * (x * pixel) + projection.axes[1] * (y * pixel);
@@ -297,7 +297,8 @@ fn a_column_of_long_thin_sides_is_lit_as_in_double_precision_and_by_all_methods_
     let depth = hit.iter().map(|&i| off(i)).fold(0.0, f64::max);
     let dark = hit.iter().filter(|&&i| apart(i)).count();
     println!("{} pixels: depths within {depth:.1e}, {dark} of another colour", hit.len());
-    // Measured: 2.8e-7 and none. Depths interpolated from the corners gave 8.1e-5 and 175.
+    // The measured error is 2.8e-7, and no pixel has a wrong colour. With depths interpolated from the corners, it was
+    // 8.1e-5, and 175 pixels were wrong.
     assert!(depth <= 1e-5, "{depth}");
     assert!(dark * 1000 <= 5 * hit.len(), "{dark} of {}", hit.len());
     assert!(rays.right.rgba8 == naive.right.rgba8 && rays.right.depth == naive.right.depth);

@@ -255,7 +255,8 @@ fn narrow_penumbrae_are_nearer_to_the_limit_than_by_the_exact_rule() {
     let rays = shared_rays as f64 / exact_rays as f64;
     let text = format!("hall: {shared:.5}, exact {exact:.5}, naive {of_naive:.5}; rays {rays:.3} of exact's");
     println!("{text}");
-    // Measured 0.940 of the exact rule's error. Without the checks of neighbouring samples and of grooves it was 0.987.
+    // The measured error is 0.940 of the exact rule's. Without the checks of neighbouring samples and of grooves it was
+    // 0.987.
     assert!(shared < 0.96 * exact && rays < 0.65, "{text}");
 }
 

@@ -1,5 +1,5 @@
-//! Tests more work for one thread than an adapter allows its loops: llvmpipe ends all loops of a thread after 65,535
-//! rounds. That costs time but must not change a picture.
+//! Tests frames that need more loop rounds per thread than an adapter allows. llvmpipe ends all loops of a thread after
+//! 65,535 rounds. That costs time but must not change a picture.
 
 use crate::common;
 

@@ -61,7 +61,7 @@ impl Worker<'_> {
     }
 }
 
-/// The pass that finds edges makes a table of the scene's objects when it is first needed.
+/// The pass that finds edges builds a table of the scene's objects on first use.
 fn edges(worker: &mut Worker<'_>) -> String {
     text(&worker.pair(&"atomic-edges".parse().map(Options::new).unwrap()))
 }
@@ -205,7 +205,7 @@ fn what_two_threads_do_at_once_is_what_each_does_alone() {
     let sky: Vec<u8> = (0..8 * 4 * 3).collect();
     image::RgbImage::from_raw(8, 4, sky).unwrap().save(folder.file("sky.png")).unwrap();
     let upload = |gpu: &Gpu| Renderer::new(gpu.clone()).upload(&scene).wait().unwrap();
-    // The threads' scene is unused, so both make the data of first use at the same time.
+    // The threads' uploaded scene has not been rendered yet. So both threads build its first-use data at the same time.
     let (lone, shared) = (upload(&gpu), upload(&gpu));
     let worker = |uploaded| Worker { renderer: Renderer::new(gpu.clone()), scene: &scene, uploaded, folder: &folder };
     let mut alone = worker(&lone);

@@ -24,7 +24,7 @@ fn bracket_rays_are_naive_to_the_last_bit() {
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let camera = builtin.camera(size[0], size[1]);
         let rig = Rig::at(camera, vec![-0.5, 0.5, 0.1]).traced(vec![0]);
-        // Each option is used once, since the kernels of each are compiled anew.
+        // Each option is used only once, since every option needs other kernels.
         let first = usize::from(builtin == Builtin::HallFinished);
         for (index, several) in several.into_iter().enumerate().skip(first).step_by(2) {
             let mut render = |method| {
@@ -44,7 +44,7 @@ fn bracket_rays_are_naive_to_the_last_bit() {
 
 #[test]
 fn what_is_hard_on_methods_is_no_harder_with_mirrors_soft_light_and_four_samples() {
-    // The kernels of each scene are compiled anew.
+    // Each scene needs other kernels.
     let few = Trial::ALL.iter().copied().step_by(4);
     few.for_each(is_no_harder_when_rich);
 }

@@ -1,4 +1,5 @@
-//! Tests kernels against their plain Rust twins, which search through all primitives and share no traversal.
+//! Tests kernels against their twins. A twin is independent code in plain Rust, which searches all primitives without a
+//! tree.
 
 use crate::common;
 

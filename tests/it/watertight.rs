@@ -93,7 +93,8 @@ fn origin(solid: &Solid, placed: &Placed, inside: bool, random: &mut Random) -> 
 }
 
 /// Returns rays of one origin: a third at vertices, a third at edges, a third at points within the solid's box. Rays
-/// from outside are only those that certainly reach a point inside. They end there, so that a hit is on the near side.
+/// from outside are kept only if they certainly reach a point inside. They end there, so that a hit is on the near
+/// side.
 fn rays(
     solid: &Solid,
     placed: &Placed,
@@ -208,7 +209,7 @@ fn every_mesh_is_closed_and_knows_its_inside() {
             }
         }
         assert!(open.is_empty(), "{} is open at {} edges", solid.name, open.len());
-        // From a point that the test claims to be inside, a line crosses an odd number of triangles.
+        // From a point that `inside` accepts, a line crosses an odd number of triangles.
         let mut random = Random::new(3);
         let points: Vec<DVec3> = (0..1000).map(|_| random.point(1.0).as_dvec3()).collect();
         let claimed: Vec<_> = points.into_iter().filter(|&point| (solid.inside)(point)).collect();

@@ -78,7 +78,7 @@ pub(crate) fn command() -> Command {
     with_examples(short)
 }
 
-/// Returns the command line for the manual, which has every option.
+/// Returns the command line with all options, for the manual.
 pub(crate) fn whole_command() -> Command {
     with_examples(|arg| arg)
 }
@@ -107,7 +107,7 @@ mod tests {
         for (name, _) in EXAMPLES {
             let command = whole.find_subcommand_mut(name).unwrap();
             let (short, long) = (command.render_help().to_string(), command.render_long_help().to_string());
-            // The measured help texts have 42 to 57 lines at 100 columns.
+            // At 100 columns, the help texts have 42 to 57 lines.
             assert!(short.lines().count() <= 60, "{name}: {}\n{short}", short.lines().count());
             assert!(short.contains("Examples:") && long.contains("Examples:"), "{name}");
             assert!(long.contains("--adapter") && !short.contains("--adapter"), "{name}");
@@ -124,7 +124,7 @@ mod tests {
         let lines = lines.copied().chain(super::super::AFTER.lines().map(str::trim));
         let mut count = 0;
         for line in lines.filter(|line| line.starts_with("stereotrace ")) {
-            // A remark follows several spaces.
+            // Several spaces separate the example from a remark.
             let line = line.split("    ").next().unwrap();
             let words = line.split(" cost and").next().unwrap().split_whitespace();
             if let Err(error) = command().try_get_matches_from(words) {

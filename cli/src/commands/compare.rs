@@ -44,7 +44,7 @@ pub(crate) struct Arguments {
 struct Row {
     method: Method,
     times: Vec<Duration>,
-    /// Cost of the second eye divided by the first eye's cost, by counters.
+    /// Cost of the second eye divided by the first eye's cost, in counted box and primitive tests.
     cost: f64,
     retraced: f64,
     difference: Difference,
@@ -99,7 +99,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let of_naive = rows[0].median();
     for row in &rows {
         let Difference { identical_percent, wrong_surface_percent, psnr, .. } = row.difference;
-        // Rounded down, so that 100.00% means all pixels.
+        // The percentage is rounded down, so that 100.00% means that all pixels are identical.
         let identical = (100.0 * identical_percent).floor() / 100.0;
         writeln!(
             text,

@@ -221,8 +221,8 @@ fn figures(truth: &GroundTruth, pair: &StereoPair) -> Value {
     })
 }
 
-/// The manifest: one line with settings and input hashes, then one line for each pair. Several commands may write it.
-/// Each locks the file, reads the lines that others added, and then adds its own.
+/// The manifest has one line with settings and input hashes, then one line for each pair. Several commands may write it
+/// at the same time. Each command locks the file, reads the lines that others have added, and then adds its own lines.
 struct Manifest {
     folder: PathBuf,
     path: PathBuf,
@@ -256,8 +256,8 @@ impl Manifest {
         Ok(self.done.contains(&item))
     }
 
-    /// Adds a pair's line and syncs it to disk. Returns false if another command made the pair meanwhile, so that its
-    /// line exists.
+    /// Adds a pair's line and syncs it to disk. Returns false if another command has meanwhile rendered the pair and
+    /// added its line.
     fn add(&mut self, item: u32, line: &Value) -> Result<bool, Box<dyn Error>> {
         let mut file = self.locked()?;
         self.catch_up(&mut file, None)?;
@@ -276,7 +276,7 @@ impl Manifest {
         let opened = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(&self.path);
         let file = opened.map_err(|error| self.fault(&error))?;
         if let Err(error) = fs4::FileExt::lock(&file) {
-            // Some network file systems have no locks. A single command needs none.
+            // Some network file systems do not support locks. A single command does not need one.
             log::warn!("{}: it can't be locked ({error}); do not let another command write there", shown(&self.path));
         }
         Ok(file)
@@ -291,7 +291,7 @@ impl Manifest {
         let mut bytes = Vec::new();
         let found = file.seek(SeekFrom::Start(self.read)).and_then(|_| file.read_to_end(&mut bytes));
         found.map_err(|error| self.fault(&error))?;
-        // A killed process may leave a line without its end, which is cut off.
+        // A killed process may leave an incomplete line, which is removed.
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
         if whole < bytes.len() {
             file.set_len(self.read + whole as u64).map_err(|error| self.fault(&error))?;

@@ -113,7 +113,7 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
     let mut batch = Batch::new();
     match target {
         Target::File(file) => {
-            // Ground truth belongs to the surfaces at pixel centres, which not all methods show.
+            // Ground truth describes the surfaces at pixel centres. Not all methods show these surfaces.
             let is_exact = matches!(pair.statistics.method, Method::Naive | Method::Bracket(_));
             let truth = (is_open_exr && is_exact)
                 .then(|| stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair).wait());

@@ -33,7 +33,7 @@ pub(crate) struct Report<'a> {
     pub(crate) stage: &'a Stage,
     pub(crate) pair: &'a StereoPair,
     pub(crate) wall: WallTimes,
-    /// Difference between the right view and that of `naive`, if --compare is given.
+    /// Difference between the right view and the right view of `naive`, if --compare is given.
     pub(crate) difference: Option<Difference>,
     pub(crate) files: &'a [PathBuf],
 }
@@ -238,7 +238,7 @@ fn line(f: &mut Formatter<'_>, heading: &str, text: impl Display) -> fmt::Result
 }
 
 fn difference_lines(f: &mut Formatter<'_>, difference: &Difference) -> fmt::Result {
-    // Rounded down, so that 100.00% means all pixels.
+    // The percentage is rounded down, so that 100.00% means that all pixels are identical.
     let down = |percent: f64| (100.0 * percent).floor() / 100.0;
     let (identical, wrong) = (down(difference.identical_percent), difference.wrong_surface_percent);
     let text = format!("{identical:.2}% of the right eye identical, {wrong:.3}% wrong surface");

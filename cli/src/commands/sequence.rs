@@ -83,7 +83,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         let camera = motion.at(frame);
         let pair = stage.render(camera, stage.options.clone(), &mut progress)?;
         size = match names.write(&pair, frame, &arguments.eyes) {
-            // The signal may have ended the reader of the pipe too.
+            // The signal may also have ended the program that reads the pipe.
             Err(_) if names == Names::Stdout && stop.is_asked_for() => return Err(interrupted().into()),
             written => written?,
         };

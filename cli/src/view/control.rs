@@ -97,7 +97,7 @@ impl Place {
         self.forward.cross(self.axis).normalize()
     }
 
-    /// Turns the view to the left and upwards, in radians. The midpoint between the eyes does not move.
+    /// Turns the view by angles to the left and upwards, in radians. The midpoint between the eyes does not move.
     pub(super) fn look(&mut self, left: f64, up: f64) {
         let slant = self.forward.angle_between(self.axis);
         let (lowest, highest) = (slant + LEAST_SLANT - PI, slant - LEAST_SLANT);

@@ -1,8 +1,8 @@
 //! The command `view` opens a window with a live pair.
 //!
 //! Two threads have one device each: `work` renders, and `window` draws. So the window responds during long frames, and
-//! a lost device can be replaced without the other one. Frames pass through the host, which copies some megabytes and
-//! works for every option and adapter.
+//! a lost device can be replaced without the other one. Frames pass through the host. This costs a copy of some
+//! megabytes, and works for every option and adapter.
 //!
 //! `control` moves the eyes, `settings` holds the state, and `show` draws it on the surface of `screen`. `panel` draws
 //! the text of `status`, `save` writes pictures, and `replay` performs recorded input.

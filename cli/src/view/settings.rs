@@ -121,7 +121,7 @@ impl Settings {
     }
 
     /// Returns the camera of a whole picture. If nothing has moved, the result is the command line's own camera, so
-    /// that pictures are identical to the bit.
+    /// that pictures are identical bit for bit.
     pub(super) fn camera(&self) -> StereoCamera {
         if self.is_moved() { self.camera_of(self.size()) } else { self.begin.camera }
     }
@@ -149,7 +149,7 @@ impl Settings {
         Ok(())
     }
 
-    /// Resets camera and options to those of the command line.
+    /// Resets camera and options to the values of the command line.
     pub(super) fn reset(&mut self) {
         self.place = self.begin.place;
         self.options = self.begin.options.clone();

@@ -122,7 +122,7 @@ impl Show {
         }
     }
 
-    /// Uploads another text.
+    /// Uploads another picture of the text.
     pub(super) fn set_panel(&mut self, Picture { width, height, rgba8, .. }: &Picture) {
         fill(&self.device, &self.queue, &mut self.panel, ("panel", [*width, *height]), rgba8);
     }

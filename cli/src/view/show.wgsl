@@ -4,8 +4,8 @@
 // reads   panel         text with alpha, sRGB-encoded, at the window's top left corner
 
 struct Shown {
-    // Linear light of each encoded byte, four to a vector. Drivers decode sRGB textures by approximations, whose errors
-    // show where a matrix subtracts dark channels.
+    // Linear light of each encoded byte, with four values per vector. Drivers decode sRGB textures by approximations.
+    // Their errors become visible where a matrix subtracts dark channels.
     decoded: array<vec4f, 64>,
     of_left: mat3x3f,
     of_right: mat3x3f,
@@ -37,7 +37,7 @@ fn decode(encoded: vec3f) -> vec3f {
 }
 
 fn light(eye: texture_2d<f32>, place: vec2u) -> vec3f {
-    // A view of the same size is shown to the bit.
+    // A view that needs no stretching is shown without interpolation.
     if all(textureDimensions(eye) == shown.size) { return decode(textureLoad(eye, place, 0).rgb); }
     return decode(textureSampleLevel(eye, stretch, (vec2f(place) + 0.5) / vec2f(shown.size), 0.0).rgb);
 }

@@ -32,7 +32,7 @@ use super::{
 const WIGGLE: Duration = Duration::from_millis(130);
 /// Interval between steps of a flight.
 const TICK: Duration = Duration::from_millis(16);
-/// Speed of a flight, without and with Shift, in screen distances a second.
+/// Speed of a flight, without and with Shift, in screen distances per second.
 const SPEED: [f64; 2] = [0.4, 1.6];
 /// Touchpad pixels that equal one step of the wheel.
 const WHEEL_PIXELS: f64 = 40.0;
@@ -101,7 +101,7 @@ pub(super) struct App {
     tick: Instant,
     /// Number of losses of the window's device in a row.
     losses: u32,
-    /// Time of the current event that a replay's shot waited for the device, which `Tally::longest` leaves out.
+    /// Time during the current event in which a replay's shot waited for the device. `Tally::longest` excludes it.
     excused: Duration,
     /// Time at which a replay began to wait for the window's size.
     waiting: Option<Instant>,
@@ -542,7 +542,7 @@ impl App {
         if !self.flying.is_empty() {
             if now >= self.tick + TICK {
                 let sum = self.flying.iter().fold([0.0; 3], |sum, (_, by)| [0, 1, 2].map(|axis| sum[axis] + by[axis]));
-                // A long pause of the window must not become a long jump.
+                // A long pause of the window must not cause a long jump of the eyes.
                 let seconds = (now - self.tick).min(Duration::from_millis(250)).as_secs_f64();
                 self.tick = now;
                 self.fly(sum, seconds);

@@ -1,4 +1,4 @@
-//! What the tests of the command share: they run it as a user does.
+//! Shared parts of the command's tests, which run the command as a user does.
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 #[path = "../../../tests/it/common/folder.rs"]
@@ -6,17 +6,17 @@ pub(crate) mod folder;
 
 use std::process::{Command, Output};
 
-/// What would clear the screen, and what turns the direction of writing.
+/// Control characters that would clear the screen and reverse the direction of the text.
 pub(crate) const STEERING: &str = "\u{1b}[2J\u{202e}";
 pub(crate) const ESCAPED: &str = r"\u{1b}[2J\u{202e}";
 
-/// Runs the command.
+/// Runs the command with these arguments.
 pub(crate) fn run(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stereotrace"));
     command.args(arguments).env("NODEVICE_SELECT", "1").output().expect("the command runs")
 }
 
-/// What a command prints that succeeds.
+/// Runs a command that must succeed, and returns its standard output.
 pub(crate) fn printed(arguments: &[&str]) -> String {
     let output = run(arguments);
     let error = String::from_utf8_lossy(&output.stderr);
@@ -24,7 +24,7 @@ pub(crate) fn printed(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// The last line of what a command says that fails, without `error: `.
+/// Runs a command that must fail, and returns the last line of its message without `error: `.
 pub(crate) fn error_of(arguments: &[&str]) -> String {
     let output = run(arguments);
     assert!(!output.status.success(), "{arguments:?} succeeded: {}", String::from_utf8_lossy(&output.stdout));

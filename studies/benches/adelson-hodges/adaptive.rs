@@ -1,4 +1,4 @@
-//! Adaptive supersampling in stereo, by the paper's method and by `bracket`.
+//! Measures adaptive supersampling in stereo, by the paper's method and by `bracket`.
 
 use stereotrace::{
     Adaptive, Error, GBuffer, Method, Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, View,
@@ -108,10 +108,10 @@ fn by_bracket(
     Ok(values.map(|(figure, value)| row(figure, setting("bracket"), levels, value)).into())
 }
 
-/// Returns M by the paper's method. The samples of each of the n rows of left pixels are reprojected by depth to the
-/// right view's finest sample grid. The latest of several samples in one place wins. If two neighbours land farther
-/// apart than they were, the samples between them are cleared. The right view is divided by its colours, and a
-/// requested sample is traced if no left sample landed there.
+/// Returns the paper's M: the number of traced right samples divided by the number of left samples. The samples of each
+/// of the n rows of left pixels are reprojected by depth to the right view's finest sample grid. The latest of several
+/// samples in one place wins. If two neighbours land farther apart than they were, the samples between them are
+/// cleared. The right view is divided by its colours, and a requested sample is traced if no left sample landed there.
 fn by_the_paper(renderer: &mut Renderer, scene: &Scene, camera: StereoCamera, levels: u32) -> Result<f64, Error> {
     let finest = lattice::camera(camera, side_of(levels) - 1)?;
     let all = lattice::samples(renderer, scene, &finest)?;
@@ -222,7 +222,7 @@ fn of_levels(
 }
 
 /// Returns the rays of a grid with this error, by interpolation between two measured grids. It assumes that the error
-/// falls by a power of the rays.
+/// is a power of the number of rays.
 fn rays_of_error(grids: &[(f64, f64)], error: f64) -> Option<f64> {
     let between = grids.windows(2).find(|two| two[0].1 >= error && error >= two[1].1)?;
     let [(rays_a, error_a), (rays_b, error_b)] = [between[0], between[1]];
@@ -230,7 +230,7 @@ fn rays_of_error(grids: &[(f64, f64)], error: f64) -> Option<f64> {
     Some(rays_a * (rays_b / rays_a).powf(way))
 }
 
-/// Returns the means of a larger picture's linear colours over each pixel, in sRGB, 0 to 255.
+/// Returns the mean of a larger picture's linear colours over each pixel, in sRGB from 0 to 255.
 fn means(view: &View, [width, height]: [u32; 2]) -> Vec<[f64; 3]> {
     let side = TRUE_SIDE;
     let mean = |place: u32| {

@@ -1,4 +1,4 @@
-//! Rays per pixel in the worst cases of the paper's last section: counted level by level, and in closed form.
+//! Computes rays per pixel in the worst cases of the paper's last section, level by level and in closed form.
 
 /// Effect of a scene's surfaces on a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +88,8 @@ impl Surfaces {
         (1 + self.shadow_rays(lights)) as f64 / self.rays(levels, lights) as f64
     }
 
-    /// Returns the same by the paper's closed forms. The printed power (1 + S)^v is read as the product (1 + S) v.
+    /// Returns the same share by the paper's closed forms. The printed power (1 + S)^v is read as the product (1 + S)
+    /// v.
     pub(crate) fn saved_in_closed_form(self, levels: Levels, lights: u64) -> f64 {
         let (v, s) = (f64::from(levels.hit), lights as f64);
         let cut = levels.hit == levels.most;

@@ -1,4 +1,4 @@
-//! Ray counts by the paper's rules.
+//! Counts rays by the paper's rules.
 
 use stereotrace::{Error, Finish, Method, Options, Renderer, Scene, StereoCamera, StereoPair, blocking::Wait};
 
@@ -40,8 +40,9 @@ fn changed(scene: &Scene, change: impl Fn(&mut Finish, &mut f32)) -> Scene {
 }
 
 /// Returns the rays of a pair's right view if reused pixels also kept the shadow rays of their first hits, as in the
-/// paper. This library shades a reused pixel anew if its first hit sends rays on, which includes its shadow rays. So
-/// the shadow rays of first hits are taken from the matte scene, where no reused pixel is shaded anew.
+/// paper. In this library, a reused pixel is shaded again if its first hit sends rays on, and its shadow rays are
+/// traced again. So the shadow rays of first hits are taken from the matte scene, where no reused pixel is shaded
+/// again.
 pub(crate) fn rays_as_in_the_paper(
     renderer: &mut Renderer,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! The paper's random scenes, rebuilt from its description, and its figures for them.
+//! Rebuilds the paper's random scenes from its description, and lists the paper's values for them.
 
 use stereotrace::{
     Ellipsoid, MaterialId, Scene, StereoCamera,
@@ -11,20 +11,20 @@ use crate::{
     random::{DIFFERING, DISTANCE, DISTANCE_OF_ALL, LEFT_EDGE, PAPER_RAYS, TRACED, WRONG},
 };
 
-/// Seed of the random numbers, as in the built-in scenes. Further scenes have the following seeds.
+/// Seed of the random numbers, as in the built-in scenes. Further scenes have the next seeds.
 pub(crate) const SEED: u32 = 1993;
 /// Screen distance that is nearer than all objects.
 const BEFORE_ALL: f32 = 9.0;
-/// Factor on the objects' volume that makes objects of a scene of 1000 as large as in a scene of 100.
+/// Factor on the objects' volume. With it, the objects in a scene of 1000 are as large as in a scene of 100.
 const CROWD: f32 = 10.0;
 
 /// Number of scenes in the groups that isolate the cause of differences.
 const FEW: usize = 10;
 
-/// Scenes that the paper treats as one.
+/// Scenes for which the paper states common results.
 pub(crate) struct Group {
     pub(crate) name: &'static str,
-    /// Place in the paper.
+    /// Figure or table of the paper.
     pub(crate) place: &'static str,
     pub(crate) scenes: Vec<Scene>,
     pub(crate) camera: StereoCamera,
@@ -32,7 +32,7 @@ pub(crate) struct Group {
     pub(crate) paper: &'static [(&'static str, &'static str)],
 }
 
-/// The paper's values for 20 objects. (1 - 0.0707) of the rays follows from the first figure.
+/// The paper's values for 20 objects. The saved share of rays, 1 - 0.0707, follows from the first value.
 const TWENTY: &[(&str, &str)] = &[
     (TRACED, "7.07; elsewhere M = 0.15, and never over 0.18"),
     (LEFT_EDGE, "at most 4.39; about half of those traced"),
@@ -77,7 +77,7 @@ pub(crate) fn of(plan: &Plan) -> Vec<Group> {
     groups
 }
 
-/// Returns the scene without the checkerboard, whose edges also move by half a pixel.
+/// Returns the scene with a floor of one colour, since the edges of the checkerboard also move by half a pixel.
 fn with_floor_of_one_colour(scene: &Scene) -> Scene {
     let place =
         |name: &str| scene.materials().iter().position(|material| material.name == name).expect("a floor has it");

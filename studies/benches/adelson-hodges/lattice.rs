@@ -1,4 +1,4 @@
-//! Pictures of all samples at the corners of pixels and between them.
+//! Renders pictures of all samples at the corners of pixels and between them.
 
 use stereotrace::{
     Error, GBuffer, Method, Options, Renderer, Scene, StereoCamera, StereoPair,

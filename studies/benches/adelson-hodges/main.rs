@@ -1,12 +1,12 @@
 //! Compares the figures of Adelson and Hodges 1993, "Stereoscopic ray-tracing", with this library's: `cargo bench
 //! --bench adelson-hodges`.
 //!
-//! The paper's random scenes are rendered at its picture size, with both interaxials that its text implies. Measured
-//! are the traced pixels, the savings by rays and by counters, and the difference of the pictures. Further parts are
-//! several rays per pixel, the worst cases, table 4, and the scenes in which the method fails. A table is printed in
-//! Markdown, and `results.csv` and `results.json` are written together or not at all. studies/ADELSON-HODGES.md
-//! discusses the results. `cargo bench --bench adelson-hodges -- --help` lists the options; `cargo test --benches` runs
-//! it as `--smoke`.
+//! The paper's random scenes are rendered at its picture size, with both interaxials that its text implies. The
+//! benchmark measures the traced pixels, the saved rays, the saved box and primitive tests, and the difference of the
+//! pictures. Further parts are several rays per pixel, the worst cases, table 4, and the scenes in which the method
+//! fails. A table is printed in Markdown. `results.csv` and `results.json` are either both written, or none.
+//! studies/ADELSON-HODGES.md discusses the results. `cargo bench --bench adelson-hodges -- --help` lists the options;
+//! `cargo test --benches` runs it as `--smoke`.
 
 mod adaptive;
 mod closed;

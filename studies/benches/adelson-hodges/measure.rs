@@ -15,11 +15,11 @@ pub(crate) struct Figures {
     pub(crate) traced: f64,
     /// Traced pixels at the left ends of rows.
     pub(crate) left_edge: f64,
-    /// Rays saved.
+    /// Share of rays that are saved.
     pub(crate) rays: f64,
-    /// Rays saved if reused pixels keep their shadow rays, as in the paper.
+    /// Share of rays that are saved if reused pixels keep their shadow rays, as in the paper.
     pub(crate) rays_as_in_the_paper: f64,
-    /// Nodes and primitive tests saved.
+    /// Share of nodes and primitive tests that are saved.
     pub(crate) counters: f64,
     /// Difference of the view from `Naive`'s.
     pub(crate) difference: Difference,
@@ -73,7 +73,7 @@ impl<'a> Subject<'a> {
         let pair = self.pair(renderer, method)?;
         let (found, naive) = (&pair.statistics.right, &self.naive.statistics.right);
         let saved = |found: u64, naive: u64| 100.0 * (1.0 - found as f64 / naive as f64);
-        // For several samples per pixel, and for other methods than the paper's, the traced rays count.
+        // For several samples per pixel, and for methods other than the paper's, the traced rays are used.
         let as_in_the_paper = match method {
             Method::Sweep(_) if self.samples == 1 => rays_as_in_the_paper(renderer, self.scene, &self.camera, &pair)?,
             _ => found.rays.total(),
@@ -90,8 +90,8 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Returns the percentage of all pixels' summed RGB distances from pixels whose found and true objects are
-    /// `wanted`.
+    /// Returns a share of the summed RGB distances of all pixels, in percent. It is the share of pixels for whose found
+    /// and true objects `wanted` holds.
     fn share_of_distances(&self, right: &View, wanted: impl Fn(u32, u32) -> bool) -> f64 {
         let truth = &self.naive.right;
         let (mut all, mut share) = (0.0, 0.0);

@@ -1,6 +1,6 @@
-//! The paper's first method for several rays per pixel. Nine rays are at a pixel's corners, sides and centre, and
-//! neighbouring pixels share all but the centre one. A left pixel is reused as a whole, by the depth of its centre ray,
-//! the aiming ray. Pixels where none lands are traced with all nine rays.
+//! Measures the paper's first method for several rays per pixel. Nine rays are at a pixel's corners, sides and centre,
+//! and neighbouring pixels share all but the centre one. A left pixel is reused as a whole, by the depth of its centre
+//! ray, the aiming ray. A right pixel in which no aiming ray lands is traced with all nine rays.
 
 use std::{error::Error, path::Path};
 
@@ -37,9 +37,9 @@ fn pixels(samples: &View, [width, height]: [u32; 2]) -> Vec<[u8; 4]> {
     (0..width * height).map(mean).collect()
 }
 
-/// Returns the left column that each right pixel of a row reuses. The aiming rays' depths decide, and the last of
-/// several columns wins. If two neighbours land more than one pixel apart, the pixels between them are cleared. With
-/// `extra`, the paper's remedy for ghosts, the second neighbour's pixel is cleared too.
+/// Returns the left column that each right pixel of a row reuses. The depths of the aiming rays determine where left
+/// columns land, and the last of several columns wins. If two neighbours land more than one pixel apart, the pixels
+/// between them are cleared. With `extra`, the paper's remedy for ghosts, the second neighbour's pixel is cleared too.
 fn carried(frame: &cpu::Frame, depths: &[f32], extra: bool) -> Vec<Option<usize>> {
     let width = depths.len();
     let mut row = vec![None; width];

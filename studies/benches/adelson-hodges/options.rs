@@ -1,4 +1,4 @@
-//! The command line, and the plan made from it.
+//! Parses the command line, and makes the plan of the benchmark from it.
 
 use std::path::PathBuf;
 
@@ -48,7 +48,7 @@ pub(crate) struct Plan {
     /// Width and height of the pictures in pixels.
     pub(crate) side: u32,
     /// Interaxials in pixels. The first is a fortieth of the width, as the paper describes its renderer. The second
-    /// follows from its left edge of 11,520 pixels in 512 rows.
+    /// follows from the left edges in the paper, which have 11,520 pixels in 512 rows.
     pub(crate) e_px: [f32; 2],
     /// Numbers of lights. The paper's "single shadow ray" implies one; the built-in scenes have five.
     pub(crate) lights: Vec<usize>,

@@ -1,5 +1,5 @@
-//! Scenes of panes in front of and behind the eyes that fill the view. Every ray takes the paper's worst case down to
-//! the last level.
+//! Builds scenes of panes that fill the view, in front of the eyes and behind them. Every ray follows the paper's worst
+//! case down to the last level.
 
 use stereotrace::{
     Finish, Light, Material, Mesh, Scene, StereoCamera,
@@ -10,7 +10,7 @@ use crate::{closed::Surfaces, counts::LEVELS};
 
 /// Distance of the first pane in front of the eyes, in screen distances. The panes behind the eyes start at half of it.
 const FIRST: f32 = 2.0;
-/// Half a pane's side. Panes are large enough that no ray between two of them leaves within `LEVELS` levels.
+/// Half a pane's side. Panes are so large that no ray leaves the space between two of them within `LEVELS` levels.
 const HALF_SIDE: f32 = 12.0;
 
 /// Builds the scene. There are `lights` lights on either side of all panes, so each hit has this number of lights in

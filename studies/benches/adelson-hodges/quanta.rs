@@ -1,4 +1,4 @@
-//! Depth intervals whose points have equal parallax in whole pixels: the paper's table 4, by its equation 7.
+//! Computes depth intervals whose points have equal parallax in whole pixels: the paper's table 4, by its equation 7.
 
 /// An interval of depths behind the screen, in screen distances, whose parallax rounds to the same number of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! Random scenes with one ray per pixel.
+//! Measures random scenes with one ray per pixel.
 
 use stereotrace::{Error, Method, Renderer};
 

@@ -1,4 +1,4 @@
-//! The table: the paper's figures and this library's, printed in Markdown and written as CSV and JSON.
+//! Makes the table of the paper's figures and this library's. It is printed in Markdown and written as CSV and JSON.
 
 use std::{
     error::Error,
@@ -14,14 +14,14 @@ use crate::common::{
     records::{self, Record},
 };
 
-/// A figure of the paper.
+/// A measured figure of the paper.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Claim {
-    /// Place in the paper.
+    /// Section, figure or table of the paper.
     pub(crate) place: &'static str,
     /// Name of the figure, with its unit.
     pub(crate) figure: &'static str,
-    /// The paper's value, or why there is none.
+    /// The paper's value, or the reason why there is none.
     pub(crate) paper: &'static str,
 }
 

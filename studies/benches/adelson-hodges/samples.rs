@@ -1,4 +1,4 @@
-//! Several rays per pixel: n x n samples, as in a picture n times as wide and high.
+//! Measures several rays per pixel: n x n samples, as in a picture n times as wide and high.
 
 use stereotrace::{Error, Method, Renderer, Scene};
 

@@ -1,4 +1,4 @@
-//! Savings by time. Methods take turns in one run, and times are of the passes alone.
+//! Measures savings by time. Methods take turns in one run, and times cover the passes alone.
 
 use std::time::Instant;
 
@@ -11,11 +11,11 @@ use crate::{
     rows::{Claim, Row, Setting, Values},
 };
 
-/// Methods. Naive is the first, since savings are relative to it.
+/// Compared methods. Naive is the first, since savings are relative to it.
 const METHODS: [Method; 5] = [Method::Naive, Method::ADELSON_HODGES, Method::ES_ISLER, Method::ATOMIC, Method::BRACKET];
 
-/// Measures the first random scene of 20 objects. Rows are the time saved on the second view, and the time of a pair of
-/// nine samples relative to one sample.
+/// Measures the first random scene of 20 objects. Rows contain the time saved on the second view, and the time of a
+/// pair with nine samples per pixel relative to one sample.
 pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for &lights in &plan.lights {
@@ -69,7 +69,7 @@ fn of_samples(
             let options = Options::new(METHODS[index]).samples(samples).jitter(false);
             let start = Instant::now();
             let passes = renderer.pair(&uploaded, camera).options(&options).trace().wait()?.times;
-            // Without timestamps the host's clock counts.
+            // Without timestamps the host's clock is used.
             let total = passes.map_or_else(|| start.elapsed(), |passes| passes.total());
             times[index] = total.as_secs_f64() * 1e3;
         }

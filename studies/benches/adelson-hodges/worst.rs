@@ -1,4 +1,4 @@
-//! The paper's worst cases, rendered; scenes in which its method fails; and its table 4, which is calculated.
+//! Renders the paper's worst cases and scenes in which its method fails, and calculates its table 4.
 
 use stereotrace::{Error, Method, Renderer, testing::suite::Trial};
 
@@ -22,7 +22,7 @@ pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Err
     Ok(rows)
 }
 
-/// Measures savings by rays, in percent of 1 - M, in scenes where each ray takes the worst case down to the last level.
+/// Measures saved rays, in percent of 1 - M, in scenes where each ray follows the worst case down to the last level.
 fn cases(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     let levels = Levels { hit: LEVELS, most: LEVELS };
@@ -54,7 +54,7 @@ fn cases(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Measures the paper's figure 14, and eyes with a wall between them.
+/// Measures the scene of the paper's figure 14, and a scene with a wall between the eyes.
 fn failures(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     let wings = Claim {
         place: "figure 14",
@@ -94,7 +94,8 @@ fn failures(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Returns the depths from which points behind the screen move by each number of pixels, in screen distances.
+/// Returns depths behind the screen, in screen distances. Each is the depth from which on points move by a number of
+/// pixels.
 fn table_4(plan: &Plan) -> Vec<Row> {
     let of = |e_px: f32| {
         let behind = quanta(f64::from(e_px)).into_iter().filter(|quantum| quantum.to > 0.0);

@@ -1,4 +1,4 @@
-//! The chart: the second eye's colour error and the first eye's cost against the second eye's cost.
+//! Draws the chart: the second eye's colour error and the first eye's cost against the second eye's cost.
 
 use std::error::Error;
 

@@ -1,11 +1,11 @@
 //! Measures the first eye's cost with each feature that improves pictures, and the second eye's cost then: `cargo bench
 //! --bench finish`.
 //!
-//! Naive, ideal (whose time is the first eye's) and bracket take turns in one run. Times are of the passes, as medians
-//! of the rounds. Counts and colours are of one frame each. A table is printed, and `finish.csv`, `finish.json` and
-//! `finish.svg` are written all together or not at all. The chart shows the second eye's accuracy and the first eye's
-//! cost against the second eye's cost. `cargo bench -p stereotrace-studies --bench finish -- NAME…` selects other
-//! scenes: built-in ones, folders of OBJ files, or paths of .obj, .gltf, .glb or .ply files.
+//! Naive, ideal (whose time is the first eye's) and bracket take turns in one run. Times are medians of the rounds and
+//! cover the passes alone. Counts and colours are taken from one frame each. A table is printed. `finish.csv`,
+//! `finish.json` and `finish.svg` are either all written, or none. The chart shows the second eye's accuracy and the
+//! first eye's cost against the second eye's cost. `cargo bench -p stereotrace-studies --bench finish -- NAME…` selects
+//! other scenes: built-in ones, folders of OBJ files, or paths of .obj, .gltf, .glb or .ply files.
 
 mod chart;
 #[path = "../../../benches/common/mod.rs"]
@@ -31,7 +31,7 @@ use crate::{
 
 /// Parallax at infinity in pixels, for a picture 600 pixels wide.
 const E_PX: f32 = 15.0;
-/// Methods. The ground truth is the first, and the second is the first eye alone except for a copy.
+/// Compared methods. The first is the ground truth. The second renders the first eye and copies its picture.
 const METHODS: [Method; 3] = [Method::Naive, Method::Ideal, Method::BRACKET];
 
 /// Figures of one variant of a scene.
@@ -43,7 +43,7 @@ struct Figures {
     first: Spread,
     naive_ms: f64,
     pair_ms: f64,
-    /// Cost of the second eye relative to the first, by time and by counters.
+    /// Cost of the second eye relative to the first, from times and from counted box and primitive tests.
     second: Spread,
     second_counters: f64,
     /// Difference of the right view from naive's: percentage of differing pixels, and mean RGB distance of all pixels.

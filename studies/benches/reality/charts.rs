@@ -1,4 +1,4 @@
-//! Charts in the paper's style: marked points on linear axes, with fitted curves.
+//! Draws charts in the paper's style: marked points on linear axes, with fitted curves.
 
 use std::error::Error;
 

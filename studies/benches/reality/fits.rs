@@ -1,4 +1,4 @@
-//! Least-squares curves, as in the paper's figures 15 to 17.
+//! Fits least-squares curves, as in the paper's figures 15 to 17.
 
 /// A point of a figure.
 pub(crate) type Point = (f64, f64);

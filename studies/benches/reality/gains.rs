@@ -1,4 +1,5 @@
-//! Figures 13 to 16: gain of the buffers over the classical ray tracer with an increasing number of objects.
+//! Measures figures 13 to 16: the gain of the buffers over the classical ray tracer with an increasing number of
+//! objects.
 
 use std::{error::Error, fmt::Write};
 
@@ -21,7 +22,7 @@ const READ_AT: [f64; 2] = [500.0, 6000.0];
 struct Stack {
     objects: usize,
     ways: Vec<Measured>,
-    /// Percentage of pixels with a wrong shadow, for each way with a shadow-buffer of the figures.
+    /// Percentage of pixels with a wrong shadow, for each way with a shadow-buffer in the figures.
     wrong: Vec<(Way, f64)>,
 }
 
@@ -107,7 +108,7 @@ fn table(stacks: &[Stack], ways: &[Way], side: u32, by: By) -> String {
     text + "\n"
 }
 
-/// Formats the growth of the gains, with the paper's statements.
+/// Formats the growth of the gains, next to the paper's statements.
 fn fits(stacks: &[Stack], plan: &Plan, by: By) -> String {
     let mut text = String::from("| figure | way | gain a thousand objects (slope) | at none | r² of the line |");
     READ_AT.iter().for_each(|objects| {
@@ -158,7 +159,7 @@ fn growth(stacks: &[Stack], plan: &Plan, by: By) -> String {
     text + "\n"
 }
 
-/// Formats the error behind the gains: cells keep their size while objects shrink.
+/// Formats the error that comes with the gains. It grows, since cells keep their size while objects shrink.
 fn wrong_shadows(stacks: &[Stack]) -> String {
     let mut text = "## Wrong shadows in figures 13 to 16\n\nPixels whose colour is not that of traced shadows, \
         percent.\n\n| objects |"
@@ -213,7 +214,8 @@ fn charts(stacks: &[Stack], ways: &[Way], plan: &Plan, by: By, report: &mut Repo
     };
     let gains = |way: Way| {
         let points: Vec<Point> = stacks.iter().filter_map(|stack| stack.gain(way, by)).collect();
-        // The gain's range relates to the classical ray tracer's median, since its own spread moves all ways together.
+        // The range of the gain is relative to the classical ray tracer's median. The classical ray tracer's own spread
+        // would move all ways together.
         let range = |stack: &Stack| {
             let classical = by.cost(of_way(&stack.ways, Way::CLASSICAL)?)?;
             by.range(of_way(&stack.ways, way)?).map(|[least, most]| [classical / most, classical / least])

@@ -2,11 +2,11 @@
 //! library's: `cargo bench -p stereotrace-studies --bench reality`. The benchmark has the name of their engine.
 //!
 //! The paper's stacks of objects are rendered by the classical ray tracer, and by the T-buffer with and without a
-//! shadow-buffer. Rays through a tree, which the paper could not show, are added. Further parts are its three spheres,
-//! and its shadow-buffers by resolution. One eye sees all scenes, as in the paper. Tables in Markdown are printed, and
-//! written with CSV, JSON, charts and pictures, all together or not at all. studies/REALITY.md discusses the results.
-//! `cargo bench -p stereotrace-studies --bench reality -- --help` lists the options; `cargo test --benches` runs it as
-//! `--smoke`.
+//! shadow-buffer. Rays through a tree, which the paper could not show, are added. Further parts render the paper's
+//! three spheres, and its shadow-buffers at several resolutions. One eye sees all scenes, as in the paper. Tables are
+//! printed in Markdown. Files with the tables, CSV, JSON, charts and pictures are either all written, or none.
+//! studies/REALITY.md discusses the results. `cargo bench -p stereotrace-studies --bench reality -- --help` lists the
+//! options; `cargo test --benches` runs it as `--smoke`.
 
 mod charts;
 #[path = "../../../benches/common/mod.rs"]

@@ -1,4 +1,4 @@
-//! Measures the cost of ways of rendering: they take turns in each round, and each is counted once.
+//! Measures the cost of ways of rendering. They take turns in each round, and each is rendered once with counters.
 
 use std::time::Instant;
 
@@ -88,8 +88,8 @@ impl<'a> View<'a> {
         Self { scene, rig: Rig::at(camera, vec![0.0]) }
     }
 
-    /// Measures the cost of each way, in the order of `ways`. Times are of `rounds` rounds after a warm-up round.
-    /// Without rounds there are no times.
+    /// Measures the cost of each way, in the order of `ways`. Each way is timed in `rounds` rounds after a warm-up
+    /// round. If `rounds` is 0, there are no times.
     pub(crate) fn measure(&self, renderer: &mut Renderer, ways: &[Way], rounds: usize) -> Result<Vec<Measured>, Error> {
         let options: Vec<Options> = ways.iter().map(|way| way.options()).collect();
         let mut scenes = Vec::new();
@@ -104,7 +104,7 @@ impl<'a> View<'a> {
             let turns: Vec<usize> = if ways.len() > 1 { order(round, ways.len()).collect() } else { vec![0] };
             for index in turns {
                 if ways[index].table.is_some_and(|table| !table.kept) {
-                    // A scene keeps its shadow-buffers between frames. It is uploaded anew, since the paper's times
+                    // A scene keeps its shadow-buffers between frames. It is uploaded again, since the paper's times
                     // include filling them.
                     scenes[index] = renderer.upload_with(self.scene, ways[index].build()).wait()?;
                 }
@@ -137,7 +137,8 @@ impl<'a> View<'a> {
         Ok(all)
     }
 
-    /// Returns milliseconds by the host's clock and of the passes, and whether the frame took several dispatches.
+    /// Returns the milliseconds of a frame by the host's clock and by its passes, and whether the frame took several
+    /// dispatches.
     fn time(
         &self,
         renderer: &mut Renderer,
@@ -157,7 +158,7 @@ pub(crate) enum By {
     Time,
     /// Primitive tests, by which the paper explains its gains. Tests that fill a shadow-buffer are included.
     Tests,
-    /// Primitive tests and boxes of a tree, two per node.
+    /// Primitive tests and box tests of a tree, two per node.
     Counters,
 }
 

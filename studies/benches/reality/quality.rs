@@ -1,4 +1,4 @@
-//! Figures 9 to 12 and 18: pictures, and their pixels with a wrong shadow.
+//! Renders figures 9 to 12 and 18, and counts pixels with a wrong shadow.
 
 use std::{error::Error, fmt::Write};
 

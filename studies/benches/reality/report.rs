@@ -1,4 +1,4 @@
-//! The benchmark's report: text for the terminal, and files that are written together.
+//! Collects the benchmark's report: text for the terminal, and files that are written together.
 
 use std::{
     error::Error,

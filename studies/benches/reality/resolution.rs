@@ -1,4 +1,4 @@
-//! Figure 17: rendering time against the shadow-buffer's resolution.
+//! Measures figure 17: rendering time against the shadow-buffer's resolution.
 
 use std::{error::Error, fmt::Write};
 
@@ -43,7 +43,7 @@ pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan, report: &mut Report)
     report.chart("figure-17", Chart { title: &title, x: "rows of the shadow-buffer", y: by.unit(), series })
 }
 
-/// Returns the cost of the paper's two buffers against their rows.
+/// Returns the cost of the paper's two buffers for each number of rows.
 fn points(all: &[Measured], plan: &Plan, by: By) -> Vec<Point> {
     let cost = |&rows: &u32| Some((f64::from(rows), by.cost(of_way(all, Way::both(rows))?)?));
     plan.time_rows.iter().filter_map(cost).collect()

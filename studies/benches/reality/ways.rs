@@ -1,5 +1,5 @@
-//! Ways of rendering that are compared: how first hits and shadows are found, and which structure rays are traced
-//! through.
+//! Defines the compared ways of rendering. They differ in how first hits and shadows are found, and in the structure
+//! through which rays are traced.
 
 use std::fmt;
 
@@ -27,7 +27,7 @@ pub(crate) struct Table {
     pub(crate) kept: bool,
 }
 
-/// Rule by which a point is lit from a shadow-buffer.
+/// Rule that decides from a shadow-buffer whether a point is lit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rule {
     /// The paper's rule: a point is lit if its own object is the nearest.

@@ -1,4 +1,4 @@
-//! The chart: pixels with wrong shadows against the remaining shadow rays.
+//! Draws the chart: pixels with wrong shadows against the remaining shadow rays.
 
 use std::error::Error;
 
@@ -15,7 +15,7 @@ use crate::{
     name_of,
 };
 
-/// Draws naive pairs, with one line per scene and rule and one point per number of rows.
+/// Draws the figures of naive pairs, with one line per scene and rule and one point per number of rows.
 pub(crate) fn svg(all: &[Figures], size: [u32; 2], provenance: &Provenance) -> Result<String, Box<dyn Error>> {
     let shown: Vec<&Figures> = all.iter().filter(|figures| figures.method == Method::Naive).collect();
     let [mut names, mut rules, mut rows] = [Vec::new(), Vec::new(), Vec::new()];

@@ -1,13 +1,13 @@
 //! Compares shadow-buffers with shadow rays: `cargo bench -p stereotrace-studies --bench shadows` prints tables. It
 //! writes them as shadows.csv with a chart, shadows.svg, to target/bench.
 //!
-//! The tables have one row per scene, method, rule and number of rows. Wrong pixels of both views are those that differ
-//! from the same method with shadow rays. Saved shadow rays are counted over a pair, a rig of 16 views, and 16 pairs of
-//! a camera that moves sideways. Further columns show the work of filling the shadow-buffers and their size. Times of a
-//! pair's passes are measured in turns, with filled buffers and with rays. Filling is timed by the host's clock. Scene
-//! names select other scenes than the default ones. The options are `--rows 100,400`, `--rules object,depth,0.1,0.5`
-//! (numbers are margins of hybrid rules), `--methods naive,bracket`, `--size 600x600` and `--rounds 5`. `--rounds 0`
-//! measures no times.
+//! The tables have one row per scene, method, rule and number of rows. Wrong pixels of both views are pixels that
+//! differ from the same method with shadow rays. Saved shadow rays are counted over a pair, a rig of 16 views, and 16
+//! pairs of a camera that moves sideways. Further columns show the work of filling the shadow-buffers and their size.
+//! The passes of a pair are timed with filled buffers and with rays, which take turns. Filling is timed by the host's
+//! clock. Scene names select other scenes than the default ones. The options are `--rows 100,400`, `--rules
+//! object,depth,0.1,0.5` (numbers are margins of hybrid rules), `--methods naive,bracket`, `--size 600x600` and
+//! `--rounds 5`. `--rounds 0` measures no times.
 
 mod chart;
 #[path = "../../../benches/common/mod.rs"]
@@ -147,7 +147,7 @@ struct Figures {
     /// Numbers of primitive projections and of tests that fill the buffers.
     fill_counts: [u64; 2],
     bytes: u64,
-    /// Milliseconds of a pair's passes, of the same pair by rays, and of filling.
+    /// Milliseconds of a pair's passes, of the same pair with shadow rays, and of filling.
     ms: [f64; 3],
 }
 

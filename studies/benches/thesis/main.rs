@@ -208,7 +208,7 @@ fn smoke_steps() -> Vec<Step> {
     ["dimensions", "interaxial", "lights"].map(step).into()
 }
 
-/// Returns the records of the thesis's error benchmarks. They are the same measurements, for the scene that the thesis
+/// Returns the records of the thesis's error benchmarks. They repeat the other records of the scene that the thesis
 /// shows.
 fn errors(records: &[Record]) -> Vec<Record> {
     let suites = [("dimensions", "mse-dimensions"), ("interaxial", "mse-interaxial")];

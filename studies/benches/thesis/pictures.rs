@@ -1,4 +1,4 @@
-//! The report's pictures: views by each method, differences from naive, costs, and sources of right pixels.
+//! Renders the report's pictures: views by each method, differences from naive, costs, and sources of right pixels.
 
 use std::{error::Error, io::Cursor};
 
@@ -108,7 +108,7 @@ pub(crate) fn sources(
     Ok(all)
 }
 
-/// Returns the cost that all but a thousandth of the pixels stay below.
+/// Returns a cost that 99.9% of the pixels do not exceed.
 fn white(view: &View) -> u32 {
     let mut costs = view.cost.clone();
     costs.sort_unstable();

@@ -1,4 +1,4 @@
-//! Records of measurements: one per method and configuration.
+//! Defines the records of measurements. There is one record per method and configuration.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,10 +23,10 @@ pub(crate) struct Record {
     pub(crate) pair_ms_max: f64,
     /// Pairs per second.
     pub(crate) fps: f64,
-    /// Cost of the second eye, (pair - left) / left, by time and by counters.
+    /// Cost of the second eye, (pair - left) / left, from times and from counted box and primitive tests.
     pub(crate) second_eye: f64,
     pub(crate) second_eye_counters: f64,
-    /// Speed-up, naive pair / pair - 1, by time and by counters (1 = 100%).
+    /// Speed-up, naive pair / pair - 1, from times and from counted tests (1 = 100%).
     pub(crate) speed_up: f64,
     pub(crate) speed_up_counters: f64,
     /// Difference of the right view from naive's, in percent of the pixels.

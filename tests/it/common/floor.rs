@@ -1,4 +1,4 @@
-//! A floor seen from above, whose light has a closed form.
+//! A floor that is seen from above, and whose light has a closed form.
 
 use stereotrace::{
     GBuffer, Material, Mesh, Method, Options, Renderer, Scene, Sky, StereoCamera, blocking::Wait, glam::Vec3,
@@ -18,8 +18,8 @@ pub(crate) fn floor() -> Scene {
     scene
 }
 
-/// Returns what the floor shows, seen straight from above, as `[x, z, light]`. A pixel's position on the floor follows
-/// from its row and column.
+/// Returns `[x, z, light]` for each pixel of a view from straight above: a position on the floor and the light there.
+/// The light is the mean over `seeds` seeds. The position follows from the pixel's row and column.
 pub(crate) fn light_on_floor(scene: &Scene, options: &Options, half: f32, seeds: u32) -> Vec<[f64; 3]> {
     let mut renderer = Renderer::new(gpu());
     let uploaded = renderer.upload(scene).wait().unwrap();

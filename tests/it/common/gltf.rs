@@ -3,7 +3,7 @@
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde_json::{Value, json};
 
-/// A file as JSON and one buffer.
+/// A glTF file, as JSON and one buffer.
 #[derive(Clone)]
 pub(crate) struct Builder {
     pub json: Value,
@@ -37,7 +37,7 @@ impl Builder {
         index
     }
 
-    /// Adds bytes to the buffer, as a view of their own.
+    /// Adds bytes to the buffer, with a buffer view of their own.
     pub(crate) fn view(&mut self, bytes: &[u8]) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
@@ -76,7 +76,7 @@ impl Builder {
         self.push("meshes", json!({ "primitives": [primitive] }))
     }
 
-    /// Makes a triangle of one material, at a node.
+    /// Makes a scene with one triangle of this material, at a node.
     pub(crate) fn triangle(material: Value) -> Self {
         let mut builder = Self::new();
         let material = builder.push("materials", material);

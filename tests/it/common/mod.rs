@@ -40,14 +40,14 @@ pub(crate) fn gpu() -> Gpu {
 }
 
 thread_local! {
-    /// The seat of this thread, which belongs to one test.
+    /// The seat of this thread, which is the number of its device. A thread runs one test.
     static SEAT: Seat = Seat::take();
 }
 
-/// Whether each device number is taken by a thread.
+/// Whether each device number is in use by a thread.
 static TAKEN: Mutex<Vec<bool>> = Mutex::new(Vec::new());
 
-/// The number of a device. It is free again when its thread ends.
+/// The number of a device. It becomes free when its thread ends.
 struct Seat(usize);
 
 impl Seat {
@@ -68,7 +68,7 @@ impl Drop for Seat {
     }
 }
 
-/// Locks a mutex. The values stay whole if a test fails, so poisoning is ignored.
+/// Locks a mutex. Its value stays consistent if a test fails, so poisoning is ignored.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -119,7 +119,7 @@ pub(crate) fn renderer_by(traversal: Traversal) -> Lent {
     Lent { key, renderer: Some(found.unwrap_or_else(|| Renderer::with_traversal(gpu(), traversal))) }
 }
 
-/// The file that a renderer was lent to, its traversal, and the number of its device.
+/// The file that a renderer is lent to, its traversal, and the number of its device.
 type Key = (&'static str, Traversal, usize);
 
 static FREE: Mutex<Vec<(Key, Renderer)>> = Mutex::new(Vec::new());
@@ -145,7 +145,7 @@ impl DerefMut for Lent {
 }
 
 impl Drop for Lent {
-    /// The renderer of a failed test is dropped.
+    /// Gives the renderer back. The renderer of a failed test is dropped instead.
     fn drop(&mut self) {
         if let (Some(renderer), false) = (self.renderer.take(), std::thread::panicking()) {
             lock(&FREE).push((self.key, renderer));
@@ -158,13 +158,14 @@ pub(crate) fn is_long() -> bool {
     std::env::var_os("STEREOTRACE_TESTS").is_some_and(|form| form == "long")
 }
 
-/// Returns traversals in which each pair of their three choices occurs. In the long form, returns all eight.
+/// Returns traversals that cover every combination of any two of their three choices. In the long form, returns all
+/// eight.
 pub(crate) fn traversals() -> Vec<Traversal> {
     let pairwise = [0, 3, 4, 7].map(|place| Traversal::ALL[place]);
     if is_long() { Traversal::ALL.into() } else { pairwise.into() }
 }
 
-/// Returns whether results must agree bit for bit. Software Vulkan neither contracts nor reorders f32.
+/// Returns whether results must agree bit for bit. Software Vulkan neither contracts nor reorders operations in f32.
 pub(crate) fn is_exact(renderer: &Renderer) -> bool {
     let info = renderer.gpu().adapter_info();
     info.device_type == wgpu::DeviceType::Cpu && info.backend == wgpu::Backend::Vulkan

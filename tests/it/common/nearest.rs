@@ -1,4 +1,4 @@
-//! Rays in double precision, which share no code with the library.
+//! Traces rays in double precision, without code of the library.
 
 use stereotrace::{
     Scene,

@@ -1,4 +1,4 @@
-//! Random scenes: one to find wrong hits, one to find wrong shadows.
+//! Random scenes. One kind reveals wrong hits, the other kind wrong shadows.
 
 use stereotrace::{
     Ellipsoid, Light, Material, MaterialId, Mesh, Scene, Sphere, Texture, Wrap,
@@ -7,9 +7,9 @@ use stereotrace::{
 
 use super::random::Random;
 
-/// Triangles, spheres and ellipsoids without order, in a cube of about two units around the origin. Some triangles
-/// occur twice (coincident surfaces, with other ids), some have no area, some lie in one axis-aligned plane, and some
-/// are large. Each sphere and ellipsoid occurs twice. Every other ellipsoid is rotated and sheared.
+/// Triangles, spheres and ellipsoids at random positions in a cube of about two units around the origin. Some triangles
+/// occur twice with different ids, some have no area, some lie in one axis-aligned plane, and some are large. Each
+/// sphere and ellipsoid occurs twice. Every other ellipsoid is rotated and sheared.
 #[derive(Clone, Copy)]
 pub(crate) struct RandomScene {
     pub seed: u32,
@@ -117,8 +117,8 @@ pub(crate) fn random_mask(random: &mut Random, width: u32, height: u32) -> Textu
 }
 
 /// Returns leaves above a floor, between two lights. The leaves are squares cut out by masks of every kind, whose
-/// texture coordinates go far beyond 0 to 1. Some share a mesh with whole triangles, and some have no texture
-/// coordinates. Spheres are added if asked for.
+/// texture coordinates go far beyond 0 to 1. Some leaves have one triangle that is not cut out, and some have no
+/// texture coordinates. With `spheres`, eight spheres are added.
 pub(crate) fn random_foliage(seed: u32, spheres: bool) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = Scene::new();
@@ -145,7 +145,7 @@ pub(crate) fn random_foliage(seed: u32, spheres: bool) -> Scene {
         let leaf = materials[index % 5];
         let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
         let mesh = match index % 7 {
-            // A whole triangle is beside one that is cut out.
+            // The first triangle is cut out, and the second is not.
             0 => mesh.materials(vec![leaf, MaterialId(0)]),
             _ => mesh.materials(vec![leaf]),
         };

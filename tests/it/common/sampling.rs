@@ -2,8 +2,8 @@
 
 use stereotrace::{Filter, StereoCamera, glam::Vec3};
 
-/// Returns a camera with a screen whose width is a power of two. So the finer camera has the same numbers except for
-/// the size.
+/// Returns a camera with a screen whose width is a power of two. So a camera with more pixels has the same parameters
+/// except for the size.
 pub(crate) fn camera(width: u32, height: u32) -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO)
         .screen_distance(5.0)

@@ -1,4 +1,4 @@
-//! Sky maps in double precision: their colours by direction, and the light that they send to a surface.
+//! Sky maps in double precision: the colour in a direction, and the light that a surface receives.
 
 use stereotrace::{
     SkyMap,
@@ -9,7 +9,7 @@ use super::random::Random;
 
 const PI: f64 = std::f64::consts::PI;
 
-/// A map as the kernels show it: bilinear, in double precision.
+/// A map with the kernels' bilinear interpolation, in double precision.
 pub(crate) struct Shown {
     pub width: usize,
     pub height: usize,
@@ -35,8 +35,8 @@ impl Shown {
         across(top).lerp(across(top + 1.0), lower_share)
     }
 
-    /// Returns the light of a white surface: the sum over `fine` x `fine` parts of each pixel, by the direction of each
-    /// part.
+    /// Returns the light of a white surface. It is a sum over `fine` x `fine` parts of each pixel. Only parts in
+    /// directions for which `is_open` holds send light.
     pub(crate) fn light(&self, normal: DVec3, fine: usize, is_open: impl Fn(DVec3) -> bool) -> DVec3 {
         let [columns, rows] = [self.width * fine, self.height * fine];
         let mut sum = DVec3::ZERO;
@@ -59,7 +59,7 @@ impl Shown {
     }
 }
 
-/// Returns noise of all brightnesses with a sun of one pixel in it.
+/// Returns a map of noise, from dark to bright, with a sun of one pixel in it.
 pub(crate) fn noisy(width: usize, height: usize) -> Shown {
     let mut random = Random(7);
     let mut pixels: Vec<Vec3> =

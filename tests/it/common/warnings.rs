@@ -7,7 +7,7 @@ use std::{
 
 use super::folder::Folder;
 
-/// Every warning of this process.
+/// All warnings that this process has logged.
 pub(crate) static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 thread_local! {

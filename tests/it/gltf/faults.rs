@@ -30,7 +30,7 @@ fn says(expected: &str, change: impl FnOnce(&mut Value)) {
 
 #[test]
 fn indices_and_lengths_out_of_range_are_named_with_what_names_them() {
-    // Accessors: 0 texture coordinates, 1 positions, 2 indices.
+    // The accessors are texture coordinates (0), positions (1) and indices (2).
     says("scene: there is no scenes[3]; the list has length 1", |json| json["scene"] = json!(3));
     says("the scene: there is no nodes[9]; the list has length 1", |json| json["scenes"][0]["nodes"] = json!([9]));
     says("nodes[0]: there is no nodes[7]; the list has length 1", |json| json["nodes"][0]["children"] = json!([7]));
@@ -90,7 +90,7 @@ fn indices_and_lengths_out_of_range_are_named_with_what_names_them() {
     says("accessors[1]: there is no bufferViews[9]; the list has length 3", |json| {
         json["accessors"][1]["bufferView"] = json!(9)
     });
-    // From the second byte of the index 1 on, the bytes are the numbers 0, 0, 0, 2.
+    // From the second byte of index 1 on, the bytes are 0, 0, 0, 2, which is 33,554,432.
     says("accessors[1], sparse.indices: 33554432 is out of range for 3 elements", |json| {
         json["accessors"][1]["sparse"] = json!({ "count": 1, "values": { "bufferView": 1 },
             "indices": { "bufferView": 2, "byteOffset": 5, "componentType": 5125 } });

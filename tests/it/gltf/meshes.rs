@@ -39,7 +39,7 @@ fn lists_strips_and_fans_are_triangles_with_indices_and_without() {
 #[test]
 fn interleaved_normalised_and_sparse_numbers_are_read() {
     let mut builder = Builder::new();
-    // Positions are 16-bit shares and colours are bytes, 12 bytes per vertex.
+    // Positions are normalised 16-bit integers and colours are bytes. A vertex takes 12 bytes.
     let vertices =
         [([0i16, 0, 0], [255u8, 0, 0, 255]), ([32767, 0, -32768], [0, 51, 0, 255]), ([0, 32767, 0], [0, 0, 255, 9])];
     let bytes: Vec<u8> = vertices
@@ -77,7 +77,7 @@ fn interleaved_normalised_and_sparse_numbers_are_read() {
         "count": 1, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": values }
     });
     assert_eq!(corners(&scene(builder.text()))[0], [Vec3::ZERO, Vec3::X, Vec3::new(5.0, 6.0, 7.0)]);
-    // Without a view the other elements are zeros. There may be as many elements as the file has bytes.
+    // Without a buffer view the other elements are zeros. There may be as many elements as the file has bytes.
     builder.json["accessors"][position].as_object_mut().unwrap().remove("bufferView");
     let read = scene(builder.text());
     assert_eq!((corners(&read)[0], read.degenerate_count()), ([Vec3::ZERO, Vec3::ZERO, Vec3::new(5.0, 6.0, 7.0)], 1));
@@ -121,7 +121,7 @@ fn several_primitives_are_one_object_with_the_nodes_name_or_the_meshs() {
     assert_near(scene.materials()[1].albedo, Vec3::X);
 }
 
-/// A name may be a million bytes long, and there may be thousands of nodes.
+/// A name may be a million bytes long, and thousands of nodes may share it.
 #[test]
 fn nodes_without_names_share_that_of_their_mesh_or_camera() {
     let mut builder = Builder::triangle(json!({}));

@@ -60,7 +60,7 @@ fn chains_of_nodes_place_meshes_as_double_precision_does() {
         }
         let upright = |normal: DVec3| matrix.inverse().transpose().transform_vector3(normal).normalize().as_vec3();
         assert_near(scene.triangles()[0].normals[2], upright(DVec3::new(0.6, 0.0, 0.8)));
-        // The outer side, from which corners run counterclockwise, stays the outer side.
+        // The front side, from which corners run counterclockwise, stays the front side.
         let [a, b, c] = corners(&scene)[0];
         assert!((b - a).cross(c - a).dot(upright(DVec3::Z)) > 0.0);
     }
@@ -83,7 +83,8 @@ fn the_default_scene_the_first_one_or_all_nodes_are_shown() {
     assert_eq!(heights(&builder), [0.0, 3.0]);
 }
 
-/// Exporters give cameras that look down their own up direction. Orbits around that direction would not stay level.
+/// The up direction of a glTF camera that looks down is not vertical. Orbits around that direction would not stay
+/// level.
 #[test]
 fn cameras_that_stand_level_orbit_level_and_rolled_ones_stay_rolled() {
     for (roll, is_level) in [(0.0, true), (0.1, false), (3.1, false)] {
@@ -145,7 +146,7 @@ fn cameras_see_points_where_the_specifications_matrix_does() {
                 assert!((found - expected).abs() < 1e-3 + 1e-5 * expected.abs(), "{found} {expected}");
             }
         }
-        // The middle of the scene has no parallax if it is far enough away.
+        // The middle of the scene has no parallax, unless it is too close.
         let depth = pose.project(Vec3::new(0.5, 0.5, 0.0), 0.0)[2];
         let least = 0.25 * 2f32.sqrt();
         assert!((pose.screen_distance - depth.max(least)).abs() < 1e-4, "{} {depth}", pose.screen_distance);
@@ -209,7 +210,7 @@ fn lights_are_scaled_down_together_and_what_they_can_not_is_named_once() {
     assert_eq!(warnings[1], left_out);
 }
 
-/// Tests a chain of nodes in UTM coordinates, whose sum f32 rounds to a quarter of a unit.
+/// Tests a chain of nodes in UTM coordinates. f32 would round the sum of their translations to a quarter of a unit.
 #[test]
 fn nodes_far_from_the_origin_keep_their_places_and_what_stands_there() {
     let mut builder = Builder::triangle(json!({}));

@@ -1,4 +1,4 @@
-//! Tests pictures: where they are stored, how they are placed on surfaces, and the effect of their alpha.
+//! Tests pictures: where they are stored, how they are placed on surfaces, and how their alpha is used.
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Value, json};
@@ -81,8 +81,7 @@ fn buffers_and_pictures_outside_the_scenes_folder_are_refused_unless_the_option_
         ("%2e%2e/a.bin", "a.png", Some("scene.gltf: buffers[0]: ")),
         ("a.bin", "../a%20b.png", Some("materials[0], baseColorTexture: images[0]: ")),
         ("a.bin", "..\\a b.png", Some("materials[0], baseColorTexture: images[0]: ")),
-        // These are absolute paths of other machines. One is of this machine, and the file beside the scene replaces
-        // it.
+        // These are absolute paths. All but one belong to other machines. Files beside the scene replace all of them.
         ("C:/models/a.bin", "C:\\textures\\a.png", None),
         (&absolute, "/nowhere/a.png", None),
     ] {
@@ -189,8 +188,8 @@ fn samplers_and_transforms_say_how_pictures_lie() {
     info["extensions"] = json!({ "KHR_texture_transform": { "offset": [0.5, 0.25], "scale": [2, 4], "texCoord": 2,
         "rotation": std::f32::consts::FRAC_PI_2 } });
     let scene = scene(builder.text());
-    // By the specification's shader this is translation * rotation * scale, with v down. A quarter turn takes u to -v
-    // and v to u.
+    // By the specification's shader, the transform is translation * rotation * scale, with v down. A quarter turn takes
+    // u to -v and v to u.
     for (found, expected) in scene.uv()[0].iter().zip([[0.5f32, 0.25], [0.5, -0.25], [2.5, 0.25]]) {
         let expected = Vec2::new(expected[0], 1.0 - expected[1]);
         assert!((*found - expected).length() < 1e-6, "{found} {expected}");
@@ -208,7 +207,7 @@ fn masks_cut_out_from_their_cutoff_on() {
         let material = material(&scene).clone();
         (scene, material)
     };
-    // The library's cut-outs are at a half, so no other picture is made.
+    // The library cuts out at an alpha of a half, so no copy of the picture is made.
     let (scene, half) = read("MASK", None, 1.0);
     assert_eq!((half.cutout, scene.textures().len(), half.opacity), (half.texture, 1, 1.0));
     let (scene, low) = read("MASK", Some(0.4), 1.0);
@@ -220,7 +219,7 @@ fn masks_cut_out_from_their_cutoff_on() {
     assert_eq!(read("MASK", Some(0.0), 1.0).1.cutout, None);
     let (_, opaque) = read("OPAQUE", None, 0.3);
     assert_eq!((opaque.cutout, opaque.opacity), (None, 1.0));
-    // The visible part becomes a veil, cut out below a half.
+    // The visible part becomes a transparent surface, which is cut out where alpha is below a half.
     let (_, veil) = read("BLEND", None, 0.5);
     assert_eq!(veil.cutout, veil.texture);
     assert!((veil.opacity - 0.5 * (128.0 + 255.0) / 510.0).abs() < 1e-6, "{}", veil.opacity);
@@ -237,21 +236,21 @@ fn metal_roughness_and_emission_are_the_means_of_their_pictures() {
         json!({ "emissiveFactor": [1, 1, 1],
         "pbrMetallicRoughness": { "metallicFactor": 1, "roughnessFactor": 1 } }),
     );
-    // Roughness is green and metal is blue, without conversion. Light is sRGB.
+    // Roughness is the green channel and metal the blue channel, both linear. Emission is in sRGB.
     let texture = builder.texture(&png(2, 1, &[[9, 255, 0, 255], [9, 0, 255, 255]]));
     builder.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"] = json!({ "index": texture });
     let glow = builder.texture(&png(2, 1, &[[188, 0, 0, 255], [188, 255, 0, 255]]));
     builder.json["materials"][0]["emissiveTexture"] = json!({ "index": glow });
     let scene = scene(builder.binary());
     let found = material(&scene);
-    // Both values are the means of a half. Highlights use the mean of the base colour, which is half of red.
+    // The means of metal and roughness are a half. Highlights use the mean of the base colour, which is half of red.
     assert_near(found.albedo, Vec3::splat(0.5 * 0.98 + 0.25));
     assert_near(found.specular, 0.5 * (0.5 * Vec3::splat(0.04) + 0.5 * Vec3::new(0.5, 0.0, 0.0)));
     assert!((found.emission - Vec3::new(0.502_886, 0.5, 0.0)).length() < 1e-5, "{}", found.emission);
     assert_eq!(scene.textures().len(), 1, "means keep no picture");
 }
 
-/// A factor is linear and a picture is sRGB. The value 188 equals the factor 0.5029.
+/// A factor is linear, and a picture is in sRGB. The byte 188 equals the factor 0.5029.
 #[test]
 fn a_pixel_of_188_shows_what_a_factor_of_its_light_shows() {
     let dielectric = |factor: f32| {
@@ -268,8 +267,8 @@ fn a_pixel_of_188_shows_what_a_factor_of_its_light_shows() {
             renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap().left.rgba8,
         );
     }
-    // All light is ambient, which is 1 without lights. So pictures show the texture's own 188. Half floats keep 11
-    // bits.
+    // Without lights, ambient light is 1. So the pictures show the texture's value of 188. Half floats have 11 bits of
+    // precision.
     assert!(shown.iter().flatten().all(|pixel| pixel[0].abs_diff(188) <= 1), "{:?}", &shown[0][..4]);
     assert_eq!(shown[0].len(), 64);
 }
@@ -281,7 +280,7 @@ fn a_scene_file_of_textures_opens_by_its_content() {
     assert_eq!(SceneFile::open(path, &SceneOptions::default()).unwrap().scene.textures().len(), 1);
 }
 
-/// Adds a triangle for each of these materials, with textures of these images.
+/// Adds a triangle for each of these materials, and a texture for each of these images.
 fn of_materials(builder: &mut Builder, images: &[Value], materials: &[Value]) {
     builder.json["images"] = json!(images);
     builder.json["textures"] = (0..images.len()).map(|image| json!({ "source": image })).collect();
@@ -343,7 +342,7 @@ fn pictures_of_which_only_means_are_kept_have_a_limit_together() {
         let read = SceneFile::open(folder.write("scene.gltf", builder.text()), &options);
         (read.map(|_| ()).map_err(|error| error.to_string()), warnings::of(&folder))
     };
-    // Sixteen pixels may be decoded: four pictures, each of which may be named any number of times.
+    // The limit allows sixteen decoded pixels, which are four pictures. Each picture may be used any number of times.
     assert_eq!(read(&[0, 1, 2, 3, 0, 1, 2, 3, 3, 2], 0).0, Ok(()));
     let message = read(&[0, 1, 2, 3, 4], 0).0.unwrap_err();
     let expected = "materials[4], metallicRoughnessTexture: the picture has 2x2 pixels, 4 in all, over the limit of 0";
@@ -374,7 +373,8 @@ fn masks_of_one_picture_are_as_many_as_its_alphas_part_and_have_a_limit_with_it(
         let limits = Limits::default().texture_pixels(limit).texture_option_name("--max-textures");
         open_with(builder.text(), &SceneOptions::default().limits(limits)).map(|file| file.scene)
     };
-    // Thresholds that cut the same pixels share a texture: alphas from 101 to 255, from 61 to 100, and from 1 to 60.
+    // Cut-offs that cut out the same pixels share a texture. There are three groups: alphas from 101 to 255, from 61 to
+    // 100, and from 1 to 60.
     let cutoffs: Vec<f32> = (1..=255).map(|alpha| alpha as f32 / 255.0).collect();
     let scene = read(&cutoffs, 12).unwrap();
     assert_eq!(scene.textures().len(), 3);

@@ -7,7 +7,7 @@ use stereotrace::{
 
 use super::{ARC, Folder, SIX, corners};
 
-/// Returns the texture coordinates that [`ARC`]'s vertices get here.
+/// Returns the texture coordinates that these tests give to a vertex of [`ARC`].
 fn of_corner(corner: u32) -> Vec2 {
     Vec2::new(0.5 * corner as f32, -(corner as f32))
 }
@@ -34,7 +34,7 @@ fn texture_coordinates_stay_with_their_corners_however_faces_are_split() {
     assert_eq!(scene.primitive_count(), 7);
     assert_uv_follow_corners(&scene);
     assert_eq!(scene.triangles()[2].normals, [Vec3::Z; 3]);
-    // This concave face is cut into ears, since its third corner is visible from the first corner alone.
+    // This concave face is cut into ears, since a fan from its first corner would leave the face.
     let scene =
         folder.scene(format!("v 1 0 0\nv 2 9 0\nv 3 3 0\nv 4 9 0\nv 5 0 0\nv 6 -9 0\n{uv}f 1/1 2/2 3/3 4/4 5/5 6/6\n"));
     assert_eq!(scene.primitive_count(), 4);

@@ -35,7 +35,7 @@ fn numbers_that_are_none_are_errors_on_their_line() {
         ("vn 0 inf 0 x", "normal: inf is not a finite number"),
     ];
     for (line, expected) in cases {
-        // A face uses each of these lines, and a folded line before it counts as two.
+        // A face uses each of these lines. A folded line before it counts as two lines.
         let face = match line.split(' ').next() {
             Some("vn") => "f 1//-1 2//-1 3//-1",
             Some("vt") => "f 1/-1 2/-1 3/-1",
@@ -154,7 +154,7 @@ fn a_missing_file_is_an_error_with_its_path() {
     assert!(matches!(error, Error::Io { .. }) && error.to_string().contains("scene.obj"), "{error}");
 }
 
-/// Bytes of a valid file are replaced, doubled and cut at random. Any result is fine, but no panic.
+/// Bytes of a valid file are replaced, doubled and cut at random. Any result is allowed except a panic.
 #[test]
 fn no_damaged_file_panics() {
     let folder = Folder::new("damaged");

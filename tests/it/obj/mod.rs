@@ -75,7 +75,7 @@ impl Folder {
 /// Six vertices at x = 1 to 6, so that a corner's x shows which vertex it is.
 pub(crate) const SIX: &str = "v 1 0 0\nv 2 1 0\nv 3 0 1\nv 4 2 0\nv 5 0 2\nv 6 3 1\n";
 
-/// Six vertices at the same x that make convex polygons in the plane.
+/// Six vertices with the same x as in [`SIX`], which form convex polygons in a plane.
 pub(crate) const ARC: &str = "v 1 1 0\nv 2 4 0\nv 3 9 0\nv 4 16 0\nv 5 25 0\nv 6 36 0\n";
 
 /// Returns the corners of each triangle as numbers of vertices of [`SIX`] or [`ARC`].

@@ -133,7 +133,7 @@ fn links_count_by_where_they_lead() {
         folder.write("in/sub/m.mtl", format!("newmtl a\nmap_Kd {name}\n"));
         Scene::from_obj(folder.file("in/scene.obj")).map(|scene| scene.textures().len())
     };
-    // A file and a folder lead out of the scene's folder, and one file leads back into it.
+    // One link leads to a file outside the scene's folder, one to a folder outside, and one to a file inside.
     symlink(folder.file("out.png"), folder.file("in/sub/out.png")).unwrap();
     symlink("../..", folder.file("in/sub/up")).unwrap();
     symlink("../own.png", folder.file("in/sub/own.png")).unwrap();
@@ -143,7 +143,7 @@ fn links_count_by_where_they_lead() {
     }
     assert_eq!(linked("own.png").unwrap(), 1);
     assert_eq!(linked("up/in/own.png").unwrap(), 1);
-    // Files behind a linked folder are inside, by either name of the folder.
+    // Files in a linked folder count as inside, by either name of the folder.
     symlink("in", folder.file("way")).unwrap();
     let real = folder.file("in/own.png").canonicalize().unwrap().display().to_string();
     for name in ["../own.png", "../../way/own.png", "../../in/own.png", &real] {

@@ -13,7 +13,7 @@ use stereotrace::{
 
 use super::{Folder, common::random::Random};
 
-/// Maximum time for a face of 100,000 corners. Measured: 2 s at most, beside three other tests on two cores.
+/// Maximum time for a face of 100,000 corners. It takes at most 2 s while three other tests run on two cores.
 const LONG: Duration = Duration::from_secs(20);
 
 /// The corners of a polygon in the plane.
@@ -28,7 +28,7 @@ fn around(count: u32, mut radius: impl FnMut(u32) -> f64) -> Outline {
     (0..count).map(corner).collect()
 }
 
-/// Returns the outline of teeth side by side on a beam.
+/// Returns the outline of a comb, which has its teeth side by side on a beam.
 fn comb(teeth: u32) -> Outline {
     let mut outline = vec![[0.0, -1.0]];
     outline.push([f64::from(teeth), -1.0]);
@@ -117,8 +117,8 @@ fn is_inside(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     outline.iter().zip(outline.iter().cycle().skip(1)).filter(|&edge| crosses(edge)).count() % 2 == 1
 }
 
-/// Returns how many of `points` random points are covered wrongly: not exactly once inside the outline, or at all
-/// outside.
+/// Returns how many of `points` random points are covered wrongly. The triangles must cover a point inside the outline
+/// exactly once, and a point outside not at all.
 fn wrong(scene: &Scene, outline: &[[f64; 2]], turn: Quat, points: u32) -> u32 {
     let place = |[x, y]: [f64; 2]| (turn * Vec3::new(x as f32, y as f32, 0.5)).to_array().map(f32::to_bits);
     let in_plane: HashMap<_, _> = outline.iter().map(|&corner| (place(corner), DVec2::from(corner))).collect();
@@ -169,8 +169,8 @@ fn faces_that_their_first_corner_sees_whole_are_fanned_as_ever() {
     let mut random = Random::new(4);
     let dart = vec![[1.0, 1.0], [0.0, 4.0], [0.0, 0.0], [4.0, 0.0]];
     let on_sides = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0]].to_vec();
-    // These outlines have a corner beside a line by a rounding error of the file, the first corner again at the end, or
-    // no area.
+    // Due to rounding in the file, a corner of `rounded` lies beside a line. `again` repeats its first corner at the
+    // end, and `line` has no area.
     let rounded = [[0.0, 0.0], [1.0, 2e-6], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].to_vec();
     let again = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [0.0, 0.0]].to_vec();
     let line = [[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [3.0, 0.0], [0.5, 0.0]].to_vec();

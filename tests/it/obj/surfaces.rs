@@ -49,7 +49,7 @@ fn illumination_models_say_what_a_surface_does() {
         ("illum 10", Finish::Matte, highlight),
     ];
     let text = |(index, (lines, ..)): (usize, &(&str, Finish, Vec3))| {
-        // Without a diffuse part beside transmission, no material returns more light than it receives.
+        // The diffuse part is small enough that no material returns more light than it receives.
         let diffuse = if lines.contains("illum 4\nTf 1") || lines.contains("illum 4\nd") { 0.25 } else { 0.01 };
         let diffuse = if lines.contains("illum 6") || lines.contains("illum 7\nNi") { 0.0 } else { diffuse };
         format!("newmtl m{index}\nKd {diffuse} 0 0\nKs 0.5 0.5 0.5\n{lines}\n")

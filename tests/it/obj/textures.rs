@@ -181,7 +181,8 @@ fn cutouts_are_alpha_and_brightness_where_there_is_none() {
     assert!(folder.warnings().iter().any(|text| text.starts_with(other)), "{:?}", folder.warnings());
 }
 
-/// Returns two materials for each of these pictures, by this statement.
+/// Writes an MTL with two materials for each picture, which name the picture by this statement. Returns an OBJ that
+/// uses the materials.
 fn twice(folder: &Folder, pictures: &[&str], statement: &str) -> String {
     let names = pictures.iter().flat_map(|name| [format!("{name}1"), format!("{name}2")]);
     let names: Vec<String> = names.collect();
@@ -203,8 +204,8 @@ fn masks_of_brightness_and_broken_pictures_have_a_limit_with_the_others() {
     let expected = "m.mtl:2: map_d 'a.png' of material 'a1': its copy with brightness as alpha has another 2x1 pixels, \
                     2 in all, over the limit of 1; raise it with --max-textures";
     assert!(message.contains(expected), "{message}");
-    // Each broken picture is decoded once, however many statements name it. Four times the limit may be decoded in
-    // total.
+    // Each broken picture is decoded once, even if several statements name it. In total, up to four times the limit may
+    // be decoded.
     let broken = std::fs::read(folder.file("sub/a.png")).unwrap();
     let names = ["b", "c", "d", "e", "f"];
     for name in names {
@@ -214,7 +215,7 @@ fn masks_of_brightness_and_broken_pictures_have_a_limit_with_the_others() {
     assert!(folder.read_with(content, &warn().limits(limits(2))).is_ok());
     let warnings = folder.warnings();
     let said = |text: &str| warnings.iter().filter(|warning| warning.contains(text)).count();
-    // The first five of ten warnings are logged, which belong to the first two pictures and a half.
+    // The first five of ten warnings are logged: two for each of the first two pictures, and one for the third.
     assert_eq!((said("can't read the texture"), said("textures that can't be read: 5 more")), (5, 1), "{warnings:?}");
 }
 

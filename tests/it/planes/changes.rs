@@ -1,4 +1,4 @@
-//! Tests planes in scenes that move, and placed lights beside planes.
+//! Tests planes in scenes that move, and lights that are placed near planes.
 
 use stereotrace::{
     BvhBuild, MaterialId, Mesh, Method, Options, Plane, StereoCamera, Update,

@@ -1,4 +1,4 @@
-//! Tests the hits of rays against double precision and the twin.
+//! Tests the hits of rays against double precision and against twins. A twin is independent code in plain Rust.
 
 use stereotrace::{
     MISS, MaterialId, Mesh, Method, Options, Plane, Ray, Scene, Sky, Sphere, StereoCamera,
@@ -14,7 +14,7 @@ use super::{
     truth::{Truth, judged},
 };
 
-/// Returns a stage with more planes: a wall, one below the ground, and a parallel one above.
+/// Returns a stage with three more planes: a wall, one below the ground, and one above the ground.
 fn room(turn: Quat) -> Scene {
     let mut scene = stage(Things::All, turn);
     for (point, normal) in [(-6.0 * Vec3::Z, Vec3::Z), (-Vec3::Y, Vec3::NEG_Y), (6.0 * Vec3::Y, Vec3::Y)] {
@@ -57,15 +57,15 @@ fn eyes_below_beside_and_just_above_a_ground_see_it_as_by_formula() {
     }
 }
 
-/// The horizon is between the rays that go down and those that do not. The ground ends at the largest distance at which
-/// planes are hit.
+/// The horizon separates rays that go down from the other rays. The ground ends at the largest distance at which planes
+/// are hit.
 #[test]
 fn the_horizon_is_where_rays_stop_to_go_down() {
     for (height, pitch) in [(1.5_f32, 0.1_f32), (1.5, -0.2), (300.0, 0.0), (2e6, -0.02), (-3.0, 0.1)] {
         let mut scene = stage(Things::Nothing, Quat::IDENTITY);
         scene.lights.clear();
         let eye = Vec3::new(10.0, height, 7.0);
-        // The sphere is behind the eyes, so that there is a tree and bracket searches it.
+        // A sphere behind the eyes gives the scene a tree, which bracket searches.
         let behind = Sphere::new(eye + 3.0 * height.abs() * Vec3::Z, 0.5 * height.abs(), MaterialId(0));
         scene.add_sphere(behind).unwrap();
         let camera = StereoCamera::look_at(eye, eye + Vec3::new(0.1, pitch, -1.0).normalize() * height.abs())
@@ -199,7 +199,7 @@ fn an_eye_in_a_plane_sees_past_it() {
     }
 }
 
-/// A quad is so wide that its edges lie beyond the picture's horizon. Where both are exact, the pictures agree.
+/// A quad is so wide that its edges lie beyond the picture's horizon. Where both hits are exact, the pictures agree.
 #[test]
 fn a_plane_is_a_quad_a_million_units_wide() {
     let turn = tilt();

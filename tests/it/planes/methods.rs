@@ -86,7 +86,7 @@ fn every_method_shows_planes_as_naive_does_or_within_its_own_bounds() {
                         assert!(found.identical_percent > 99.0, "{name} {method}: {}", found.identical_percent);
                     }
                     Method::Ideal => {}
-                    // Measured at most 0.52, from the half pixel by which foregrounds grow.
+                    // The measured percentage is at most 0.52, since foregrounds grow by half a pixel.
                     _ => assert!(wrong < 1.0, "{name} {method}: {wrong}"),
                 }
             }
@@ -118,7 +118,7 @@ fn bracket_is_naive_to_the_last_bit_where_all_shadow_rays_are_traced() {
     }
 }
 
-/// Tests the source of each right pixel and of each shadow against the twins.
+/// Tests the source of each right pixel and of each shadow against twins, which are independent code in plain Rust.
 #[test]
 fn fates_and_shadows_are_the_twins() {
     let mut renderer = renderer();
@@ -164,7 +164,7 @@ fn rigs_of_many_eyes_show_planes_as_naive_does() {
     }
 }
 
-/// Tiles of nothing but sky are not searched for planes. Above a horizon they cost the same as without planes.
+/// Tiles that show only sky are not searched for planes. Above a horizon they cost the same as without planes.
 #[test]
 fn tiles_above_the_horizon_are_sky_at_once() {
     let mut renderer = renderer();

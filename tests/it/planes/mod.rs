@@ -32,7 +32,8 @@ fn tilt() -> Quat {
     Quat::from_axis_angle(Vec3::new(1.0, 0.2, 0.3).normalize(), 0.5)
 }
 
-/// Returns a ground through a point far aside, rotated by `turn`, under two lamps.
+/// Returns objects on a ground under two lamps, all rotated by `turn`. The point that defines the ground's plane is far
+/// away.
 fn stage(things: Things, turn: Quat) -> Scene {
     let mut scene = Scene::new();
     let red = scene.add_material(Material::new(Vec3::new(0.7, 0.2, 0.1)));

@@ -15,7 +15,7 @@ struct Case {
     angle: f32,
     lamp: Vec3,
     turn: Quat,
-    /// Offset of the plane's own point, in units of the distance.
+    /// Offset of the point that defines the plane, in units of the distance.
     aside: f32,
 }
 
@@ -48,7 +48,7 @@ fn left_of(scene: &Scene, camera: &StereoCamera) -> View {
 }
 
 /// No pixel that faces the lamp may be dark, unless the lamp is lower than the offset of shadow rays from the surface.
-/// The brightness is Lambert's cosine at the visible point, within the same offset.
+/// The brightness is Lambert's cosine at the visible point, up to an error from the same offset.
 #[test]
 fn a_ground_casts_no_shadow_on_itself() {
     let mut worst = 0.0_f64;
@@ -126,7 +126,7 @@ fn what_stands_on_a_ground_has_its_shadow_at_its_foot() {
     }
 }
 
-/// A plane between a lamp and a ground occludes all its light. A plane elsewhere has no effect.
+/// A plane between a lamp and a ground occludes all light of the lamp. A plane elsewhere has no effect.
 #[test]
 fn planes_shade_one_another() {
     let case = Case { distance: 4.0, angle: 0.4, lamp: Vec3::new(0.1, 1.0, 0.2), turn: tilt(), aside: 2.0 };

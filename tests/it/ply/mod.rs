@@ -7,7 +7,8 @@ use stereotrace::{
     glam::{Vec2, Vec3},
 };
 
-/// Returns a square of two triangles that are one face, as text, with these lines for a vertex's further properties.
+/// Returns a text file with a square as one face of four corners. `properties` declares further properties of a vertex,
+/// `values` contains them, and `face` is the line of the face.
 fn square(properties: &str, values: [&str; 4], face: &str) -> String {
     let corners = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"];
     let vertices: String = corners.iter().zip(values).map(|(corner, more)| format!("{corner} {more}\n")).collect();
@@ -270,7 +271,7 @@ fn a_header_that_promises_billions_is_answered_at_once() {
                 "{message}"
             );
         }
-        // A list has as many entries, of which one is there.
+        // The list declares about four thousand million entries, but the file contains only one.
         let list = format!("{head}element vertex 0\n{vertex}{face}end_header\n");
         let list =
             [list.as_bytes(), if format == "ascii" { b"4000000000 0" } else { &[255, 255, 255, 255, 0, 0, 0, 0] }]

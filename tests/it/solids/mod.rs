@@ -5,13 +5,14 @@ use stereotrace::glam::{DVec3, Vec3};
 
 use crate::common::random::Random;
 
-/// A closed mesh of about unit size around the origin, with a test that is certain for some points inside it.
+/// A closed mesh of about unit size around the origin, with a function that recognises some of the points inside it.
 pub(crate) struct Solid {
     pub name: &'static str,
     pub positions: Vec<Vec3>,
     pub triangles: Vec<[u32; 3]>,
     pub inside: Box<dyn Fn(DVec3) -> bool>,
-    /// Coordinates of its axis-aligned planes. From there the planes are seen exactly edge-on.
+    /// Coordinates of the mesh's axis-aligned faces. A ray's origin at such a coordinate sees those faces exactly
+    /// edge-on.
     pub levels: Vec<f32>,
 }
 

@@ -104,7 +104,7 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
     let error = tiny.upload(&scene).wait().unwrap_err();
     let message = error.to_string();
     assert!(matches!(error, Error::Limit { limit: "max_storage_buffer_binding_size", .. }), "{message}");
-    // 1 MiB holds 65,536 texels: four per primitive with normals, and one or a half for its share of the nodes.
+    // 1 MiB holds 65,536 texels. A primitive with normals takes four, and its share of the nodes takes one or a half.
     assert!(message.starts_with(&format!("a scene of {} primitives needs ", scene.primitive_count())), "{message}");
     let fits =
         message.split_once("enough for 65536, about ").and_then(|(_, rest)| rest.split(' ').next()?.parse().ok());

@@ -1,4 +1,4 @@
-//! Tests odd scenes: empty ones, without shadows, with many lights, with triangles that no ray can hit.
+//! Tests unusual scenes: empty ones, without shadows, with many lights, with triangles that no ray can hit.
 
 use stereotrace::{
     BvhBuild, Light, MISS, Material, Mesh, Method, Options, Scene, StereoCamera, blocking::Wait, glam::Vec3,

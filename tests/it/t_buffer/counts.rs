@@ -6,7 +6,7 @@ use stereotrace::{
 
 use super::common::{RandomScene, renderer};
 
-/// Returns a camera that looks straight ahead, so that a pixel spans a tenth of a unit on the screen.
+/// Returns a camera that looks straight ahead. A pixel spans a tenth of a unit on the screen.
 fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 0.0, 10.0), Vec3::ZERO)
         .size(60, 40)
@@ -19,8 +19,8 @@ fn counted() -> Options {
     Options::new(Method::Naive).visibility(Visibility::TBuffer).count(true)
 }
 
-/// Returns how many of `count` columns or rows have their middle between two positions on the screen, or within the
-/// margin beside. A pixel is a tenth of a unit wide.
+/// Returns how many of `count` columns or rows have their middle between two positions on the screen, with a small
+/// margin on both sides. A pixel is a tenth of a unit wide.
 fn middles(count: u32, [low, high]: [f64; 2]) -> u64 {
     let all = (0..count).map(|pixel| 0.1 * (f64::from(pixel) + 0.5 - 0.5 * f64::from(count)));
     all.filter(|at| *at > low - 0.005 && *at < high + 0.005).count() as u64
@@ -79,7 +79,7 @@ fn counts_repeat_and_are_those_of_the_map_of_costs() {
 }
 
 /// Primitives behind the eye or beside the picture are projected, but no ray tests them. The same holds for primitives
-/// that lie between pixels' centres and are smaller than their distance.
+/// between pixels' centres that are smaller than the distance between the centres.
 #[test]
 fn what_covers_no_centre_is_tested_by_no_ray() {
     let mut scene = Scene::new();

@@ -1,4 +1,4 @@
-//! Tests primitives that are hard to draw: across the plane of the eyes, beside the picture, huge, or very many.
+//! Tests primitives that are hard to draw: across the plane of the eyes, outside the picture, huge, or very many.
 
 use stereotrace::{
     Ellipsoid, MISS, MaterialId, Mesh, Method, Options, Scene, Sphere, StereoCamera,
@@ -49,7 +49,7 @@ fn what_stands_around_the_eyes_is_that_of_rays() {
     }
 }
 
-/// Tests balls that reach almost to, just behind or far behind the plane of the eyes, beside the eye and around it.
+/// Tests balls beside the eye. Their nearest points are just in front of the plane of the eyes, in it or behind it.
 #[test]
 fn balls_at_the_plane_of_the_eyes_are_those_of_rays_and_so_they_are_by_bracket() {
     let forward = Vec3::new(0.0, -0.4, -3.0).normalize();
@@ -178,7 +178,7 @@ fn of_equal_t_the_smaller_id_is_seen() {
     assert!(seen.len() > 500 && seen.iter().all(|&id| id < 60), "{}", seen.len());
 }
 
-/// Everything is beside the picture, before it or behind the eyes, so nothing is visible.
+/// Every primitive is beside the picture, above it, below it or behind the eyes, so nothing is visible.
 #[test]
 fn what_lies_beside_the_picture_leaves_nothing() {
     let mut scene = Scene::new();

@@ -51,7 +51,7 @@ fn random_stages_and_foliage_are_those_of_rays() {
     }
 }
 
-/// The twin tests every primitive for every pixel, and shares no code with the kernels.
+/// The reference is independent code in plain Rust, which tests every primitive for every pixel.
 #[test]
 fn hits_are_those_of_a_loop_over_all_primitives() {
     let camera = StereoCamera::look_at(Vec3::new(0.3, 0.4, 3.0), Vec3::ZERO)
@@ -62,7 +62,7 @@ fn hits_are_those_of_a_loop_over_all_primitives() {
     let of = |seed, triangles, spheres, ellipsoids| {
         RandomScene { seed, triangles, spheres, ellipsoids, smooth: seed % 2 == 0, ..RandomScene::default() }.build()
     };
-    // This camera is among the primitives, which cross the plane of the eyes or are behind it.
+    // In this case the camera is among the primitives. They cross the plane of the eyes or are behind it.
     let inside = camera.eye(Vec3::new(0.2, 0.1, 0.3)).target(Vec3::new(-1.0, 0.0, -1.0)).screen_distance(0.7);
     let all = [of(1, 300, 0, 0), of(3, 0, 60, 0), of(4, 150, 40, 0), of(6, 0, 0, 40), of(7, 100, 10, 30)];
     let mut renderer = renderer();
@@ -77,8 +77,8 @@ fn hits_are_those_of_a_loop_over_all_primitives() {
             let frame = Frame::new(&camera.pose().unwrap());
             for (view, eye) in pair.views.iter().zip([Eye::Left, Eye::Right]) {
                 let twin = trace_left(&scene, &frame, eye);
-                // The twin computes t of any near triangle from sums of two f32. Kernels do so only if the eye's foot
-                // is on the triangle.
+                // For any triangle close to the eye, the reference computes t in sums of two f32. Kernels do so only if
+                // the perpendicular from the eye to the triangle's plane meets the triangle.
                 let is_other = |((depth, id), twin): &((f32, u32), &(f32, u32))| {
                     *id != twin.1 || (depth.min(stereotrace::FAR) - twin.0).abs() > 1e-6 * twin.0
                 };

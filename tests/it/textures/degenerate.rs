@@ -7,7 +7,7 @@ use stereotrace::{
 
 use super::{before, left, noise, square, textured};
 
-/// Checks that colours are finite, and within the texture's range where something is hit.
+/// Checks that all colours are finite and from 0 to 1.
 fn assert_sound(mesh: Mesh, texture: Texture, what: &str) {
     let found = left(&textured(mesh, texture), &before(64));
     let outside = found.iter().filter(|color| !(color.min_element() >= 0.0 && color.max_element() <= 1.0)).count();

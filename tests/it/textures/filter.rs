@@ -118,8 +118,8 @@ struct Case {
 fn cases() -> Vec<Case> {
     let of = |name, texture, repeats, left| Case { name, texture, repeats, left };
     let board = Texture::checkerboard(Vec3::splat(0.9), Vec3::splat(0.1), 64).unwrap();
-    // Measured 0.31, 0.18, 0.64, 0.38, 0.63. Most of the first picture is nearer than its detail. The pixels of a wide
-    // picture are eight times as wide as high.
+    // The measured shares are 0.31, 0.18, 0.64, 0.38 and 0.63. In most of the first picture, the detail is larger than
+    // a pixel. The texels of the wide picture are eight times longer than wide.
     vec![
         of("board", board.clone(), 4.0, 0.35),
         of("fine board", board, 16.0, 0.21),
@@ -135,10 +135,10 @@ fn textures_far_and_at_a_slant_are_averaged_without_bias_and_flicker() {
         let judged = judge(texture, repeats);
         print(name, &judged);
         assert!(judged.filtered < left * judged.unfiltered, "{name}");
-        // Measured 0.018 where the texture's pixels are larger than the view's pixels, which a blur spreads across the
+        // The measured bias is 0.018 where texels are larger than pixels, since a blur then spreads colours across the
         // region's edge. Elsewhere it is 0.0066.
         assert!(judged.bias < 0.02, "{name}");
-        // Measured 0.77 and 1.51 at most. The means differ too, since each eye's pixels lie elsewhere.
+        // The measured ratios are at most 0.77 and 1.51. The means differ too, since each eye's pixels lie elsewhere.
         assert!(judged.shimmer < 0.8 * judged.shimmer_unfiltered, "{name}");
         assert!(judged.shimmer < 1.6 * judged.shimmer_of_means, "{name}");
     }

@@ -64,7 +64,7 @@ fn decoded(byte: u8) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Returns a texture's colour with no filter but the interpolation between its pixels.
+/// Returns a texture's colour without a filter, except for the interpolation between its pixels.
 fn sampled(texture: &Texture, uv: DVec2) -> DVec3 {
     sampled_as(texture, [texture.wrap; 2], uv)
 }

@@ -10,7 +10,8 @@ use stereotrace::{
 
 use super::{noise, sampled_as};
 
-/// Returns texture coordinates. Seen from outside, a picture's middle is at +z, its right at +x and its top at +y.
+/// Returns the texture coordinates of a direction. Seen from outside, a picture's middle is at +z, its right side at +x
+/// and its top at +y.
 fn uv_of(outward: DVec3) -> DVec2 {
     DVec2::new(0.5 + outward.x.atan2(outward.z) / TAU, 0.5 + outward.y.clamp(-1.0, 1.0).asin() / PI)
 }
@@ -42,7 +43,7 @@ fn material(scene: &mut Scene, texture: &Texture) -> stereotrace::MaterialId {
     scene.add_material(Material::new(Vec3::ONE).texture(texture))
 }
 
-/// Returns the largest error, except at pixels in which half a pixel decides the colour.
+/// Returns the largest error. It leaves out the poles and rays that graze the surface.
 fn worst(scene: &Scene, camera: &StereoCamera, axes: DMat3, texture: &Texture) -> f64 {
     let found = super::left(scene, camera);
     let points = points(camera, axes);
@@ -50,7 +51,7 @@ fn worst(scene: &Scene, camera: &StereoCamera, axes: DMat3, texture: &Texture) -
     assert!(seen > found.len() / 20, "{seen}");
     let expected = |index: usize| {
         let outward = points[index]?.normalize();
-        // The texture is closed around the sphere, and ends at the poles.
+        // The texture repeats around the sphere, and is clamped at the poles.
         let far = outward.x.hypot(outward.z) > 0.1;
         far.then(|| sampled_as(texture, [Wrap::Repeat, Wrap::Clamp], uv_of(outward)))
     };

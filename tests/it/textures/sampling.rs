@@ -24,7 +24,7 @@ fn the_first_row_of_a_picture_is_at_the_top_and_its_first_column_on_the_left() {
     let (low, high) = (SIZE / 4, 3 * SIZE / 4);
     let corners = [at(low, low), at(high, low), at(low, high), at(high, high)];
     for (found, expected) in corners.into_iter().zip([DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0)]) {
-        // A pixel's centre is half a pixel beside the quadrant's centre.
+        // The pixel's centre is half a pixel away from the quadrant's centre.
         assert!((found - expected).abs().max_element() < 0.05, "{found} is not {expected}");
     }
 }
@@ -38,7 +38,7 @@ fn pictures_are_as_by_formula_within_and_beyond_their_edges() {
             let found = left(&textured(square(Vec2::NEG_ONE, Vec2::splat(3.0)), texture.clone()), &before(SIZE));
             let error = worst(&found, |index| Some(sampled(&texture, uv_at(index, -1.0, 3.0))));
             errors.push(error);
-            // Measured 2.7e-4. A half float has 11 bits, so that pixels are off by up to 2.4e-4.
+            // The measured error is 2.7e-4. A half float has 11 bits, so texels are off by up to 2.4e-4.
             assert!(error < 4e-4, "{width}x{height} {wrap:?}: {error}");
         }
     }

@@ -10,7 +10,7 @@ use super::{before, left, square, worst};
 
 const SIZE: u32 = 96;
 
-/// Returns the eye, and where the left view's rays meet a plane of this height over the square.
+/// Returns the left eye, and the direction of each of its rays.
 fn rays(camera: &StereoCamera) -> (DVec3, Vec<DVec3>) {
     let frame = Frame::new(&camera.pose().unwrap());
     let [width, height] = frame.size();
@@ -51,7 +51,7 @@ struct Lit {
 }
 
 impl Lit {
-    /// Returns Phong's and Lambert's formulas for a light of intensity 1.
+    /// Returns the colour by Lambert's and Phong's formulas, under a light of intensity 1.
     fn color(&self, point: DVec3, normal: DVec3, albedo: f64) -> DVec3 {
         let [to_light, to_eye] = [self.light, self.eye].map(|end| (end - point).normalize());
         let cosine = normal.dot(to_light);
@@ -100,7 +100,8 @@ fn highlights_are_phong_s_on_planes_and_spheres() {
                 let root = (along * along - eye.length_squared() + 0.81).sqrt();
                 let point = eye + direction * (along - root);
                 let normal = point.normalize();
-                // Within rounding of the light's horizon, a highlight begins abruptly.
+                // A highlight begins abruptly at the light's horizon, so points within rounding errors of the horizon
+                // are left out.
                 let beside = normal.dot(lit.light - point).abs() > 1e-3;
                 (root > 0.1 && beside).then(|| lit.color(point, normal, 0.25))
             };

@@ -61,7 +61,7 @@ fn textured_scenes_look_alike_by_every_traversal_and_by_bracket() {
         .interaxial_pixels(7.0);
     for (name, scene) in [("spheres", everything()), ("ellipsoids", with_ellipsoids(everything()))] {
         let mut first = None;
-        // Boxes don't change hits, so one kind for each pair is enough.
+        // The kind of boxes does not change hits. So one kind is enough for each pair of the other choices.
         let apart = Traversal::ALL.iter().filter(|with| (with.boxes == Boxes::F32) == (with.fetch == Fetch::Texture));
         for &traversal in apart {
             let mut renderer = renderer_by(traversal);

@@ -10,14 +10,15 @@ use stereotrace::{
 use super::{Seen, Truth};
 
 /// Errors of a view: the number of pixels that show another primitive, and the largest errors of the other pixels.
-/// Errors of depths are relative to the depth, without and with the slope at which the ray meets the surface.
+/// `depth` is relative to the depth. `depth_by_slope` is also multiplied by the slope at which the ray meets the
+/// surface.
 #[derive(Debug, Default)]
 pub(crate) struct Judged {
     pub others: usize,
     pub depth: f64,
     pub depth_by_slope: f64,
-    /// Largest error of a linear colour. It excludes pixels whose light changes within a step of 0.02 pixels, and those
-    /// with slopes below the least.
+    /// Largest error of a linear colour. It excludes pixels whose light changes within a step of 0.02 pixels, and
+    /// pixels whose slope is too small.
     pub color: f64,
     pub seen: usize,
 }

@@ -1,5 +1,6 @@
-//! A ray tracer in double precision as a reference for pictures: brute force, textbook formulas, and no code of the
-//! crate but its scenes. It follows the f32 rays of the kernels, so that only their arithmetic is tested.
+//! A ray tracer in double precision, whose pictures serve as a reference. It uses brute force and textbook formulas,
+//! and only the scenes of the crate's code. It follows the f32 rays of the kernels, so that only their arithmetic is
+//! tested.
 mod judged;
 
 use rayon::prelude::*;
@@ -11,7 +12,7 @@ use stereotrace::{
 
 pub(crate) use judged::judged;
 
-/// A triangle with the values that its tests share.
+/// A triangle, with values that every intersection test of it needs.
 struct Triangle {
     corners: [DVec3; 3],
     normal: DVec3,

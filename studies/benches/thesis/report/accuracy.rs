@@ -1,4 +1,5 @@
-//! Plots of accuracy against the second eye's cost, by time and by counters.
+//! Draws plots of accuracy against the second eye's cost, which is measured in time and in counted box and primitive
+//! tests.
 
 use std::{cmp::Reverse, error::Error};
 

@@ -1,4 +1,4 @@
-//! Axes: their ranges, ticks, and the mapping from values to pixels.
+//! Computes axes: their ranges, ticks, and the mapping from values to pixels.
 
 /// Scale of a plot's y axis.
 #[derive(Clone, Copy)]

@@ -1,4 +1,4 @@
-//! Drawing of plots: dashed lines and ranges.
+//! Draws dashed lines and ranges of plots.
 
 use plotters::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::common::{
 
 pub(super) const DOTS: &[f64] = &[2.0, 4.0];
 
-/// Draws a line through the points with alternating lengths of strokes and gaps. It is solid if there are no lengths.
+/// Draws a line through the points with alternating lengths of strokes and gaps. Without lengths the line is solid.
 pub(super) fn stroke(root: &Area<'_>, points: &[Pixel], lengths: &[f64], style: ShapeStyle) -> Drawn {
     for piece in dashed(points, lengths) {
         root.draw(&PathElement::new(piece, style))?;

@@ -1,4 +1,4 @@
-//! The box of a plot, with its axes, grid and labels.
+//! Draws the box of a plot, with its axes, grid and labels.
 
 use plotters::{
     prelude::*,

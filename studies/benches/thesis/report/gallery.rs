@@ -1,4 +1,4 @@
-//! The page's pictures.
+//! Formats the page's pictures.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! Plot of a question for one scene, with one line per method.
+//! Draws the plot of a question for one scene, with one line per method.
 
 use std::error::Error;
 
@@ -32,7 +32,7 @@ pub(super) struct LinePlot<'a> {
     pub(super) question: &'a Question,
     pub(super) names: &'a Names,
     pub(super) lines: Vec<Line>,
-    /// Stated ranges: method, lowest and highest value.
+    /// Ranges that the thesis states: method, lowest and highest value.
     pub(super) ranges: Vec<(usize, f64, f64)>,
 }
 
@@ -74,7 +74,7 @@ impl LinePlot<'_> {
     }
 
     fn draw_lines(&self, root: &Area<'_>, frame: &Frame<'_>) -> Drawn {
-        // Lines in the row of zero would hide each other, so each has its own height there.
+        // In the row of zero, lines would hide each other, so each line has its own height there.
         let meets_zero = |line: &&Line| line.points.iter().any(|point| point.1 <= 0.0);
         let count = self.lines.iter().filter(meets_zero).count() as f64;
         let places = self.lines.iter().enumerate().map(|(index, line)| {
@@ -150,7 +150,7 @@ impl LinePlot<'_> {
         color(self.names.look(line.method))
     }
 
-    /// Draws a marker, filled for times and hollow for counters.
+    /// Draws a marker, which is filled for times and hollow for counted tests.
     fn line_marker(&self, root: &Area<'_>, line: &Line, at: Pixel) -> Drawn {
         let (look, tone) = (self.names.look(line.method), self.color(line));
         if line.counted {

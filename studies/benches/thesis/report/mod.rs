@@ -1,4 +1,4 @@
-//! The report: plots by question and scene, pictures and a table of all records, in one self-contained page.
+//! Writes the report: plots by question and scene, pictures and a table of all records, in one self-contained page.
 
 mod accuracy;
 mod axis;
@@ -27,11 +27,11 @@ use self::{names::Names, page::page, sections::sections};
 pub(crate) use self::{sources::Sources, stability::Stability};
 use crate::{common::files::save, record::Record};
 
-/// Ranges of the speed-up over naive that the thesis states: scene, or `*` for all scenes, method, lowest and highest
-/// in percent. They are drawn behind the speed-up against the picture's width.
+/// Ranges of the speed-up over naive that the thesis states. An entry has a scene, or `*` for all scenes, a method, and
+/// the lowest and highest value in percent. The ranges are drawn behind the speed-up against the picture's width.
 ///
-/// They are its averages over the sizes, from the lowest scene on one machine to the highest on the other (figures 27
-/// and 35).
+/// The thesis averages each speed-up over the picture sizes. A range extends from the scene with the lowest average on
+/// one machine to the scene with the highest average on the other (figures 27 and 35).
 const BANDS: &[(&str, &str, f64, f64)] =
     &[("*", "ideal", 29.0, 92.0), ("*", "atomic", 14.0, 67.0), ("*", "buffer", 6.0, 58.0)];
 
@@ -58,8 +58,9 @@ pub(crate) struct Content {
     pub(crate) smoke: bool,
 }
 
-/// Writes report.html and one SVG per plot into `folder`, all together or not at all. Returns their paths, the page's
-/// last. If a configuration was measured more than once, plots show its last record and the table shows all.
+/// Writes report.html and one SVG per plot into `folder`. Either all files are written, or none. Returns their paths,
+/// with the page's path last. If a configuration was measured more than once, plots show its last record and the table
+/// shows all.
 pub(crate) fn write(content: &Content, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let names = Names::of(&content.records, &content.pictures);
     let sections = sections(content, &names, BANDS)?;

@@ -1,4 +1,4 @@
-//! Names of scenes and methods, in the order in which they are shown.
+//! Orders scenes and methods as they are shown.
 
 use super::Picture;
 use crate::{common::looks, record::Record};

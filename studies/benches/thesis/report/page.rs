@@ -1,4 +1,4 @@
-//! The page: its preamble, its contents and its sections in order.
+//! Formats the page: its preamble, its contents and its sections in order.
 
 use std::fmt::Write as _;
 

@@ -1,9 +1,9 @@
-//! Questions that are plotted scene by scene, with the quantities along their axes.
+//! Defines the questions that the report answers by plots, one per scene, and the quantities along the plots' axes.
 
 use super::{axis::Rule, text::count};
 use crate::record::Record;
 
-/// Quantity that a suite varies, along a plot's x axis.
+/// Quantity that a benchmark of the thesis varies. It is drawn along a plot's x axis.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Swept {
     Width,
@@ -46,13 +46,13 @@ pub(super) type Value = fn(&Record) -> Option<f64>;
 /// Minimum and maximum of a figure over the rounds.
 pub(super) type Range = fn(&Record) -> Option<[f64; 2]>;
 
-/// A question that is plotted scene by scene.
+/// A question that the report answers by one plot per scene.
 pub(super) struct Question {
     pub(super) suite: &'static str,
-    /// Start of its file names.
+    /// Prefix of its plots' file names.
     pub(super) slug: &'static str,
     pub(super) title: &'static str,
-    /// Description of the axes.
+    /// Description of the plot's axes.
     pub(super) sentence: &'static str,
     pub(super) swept: Swept,
     pub(super) y_label: &'static str,
@@ -60,7 +60,7 @@ pub(super) struct Question {
     pub(super) value: Value,
     /// Minimum and maximum of the value over the rounds, for times.
     pub(super) range: Option<Range>,
-    /// The value by counters in place of time.
+    /// The value from counted box and primitive tests in place of time.
     pub(super) counted: Option<Value>,
 }
 
@@ -189,7 +189,7 @@ pub(super) const QUESTIONS: [Question; 9] = [
     },
 ];
 
-/// Returns the speed-up in percent. It leaves out naive, whose speed-up is 0 by definition.
+/// Returns the speed-up in percent. Returns `None` for naive, whose speed-up is 0 by definition.
 fn speed_up(record: &Record) -> Option<f64> {
     (record.method != "naive").then_some(100.0 * record.speed_up)
 }
@@ -200,7 +200,7 @@ fn speed_up_range(record: &Record) -> Option<[f64; 2]> {
     speed_up(record).map(|_| [record.pair_ms_max, record.pair_ms_min].map(|ms| 100.0 * (naive / ms - 1.0)))
 }
 
-/// Returns the error. It leaves out naive, whose error is 0 by definition.
+/// Returns the error. Returns `None` for naive, whose error is 0 by definition.
 fn error(record: &Record) -> Option<f64> {
     (record.method != "naive").then_some(record.mse)
 }

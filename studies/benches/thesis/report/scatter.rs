@@ -1,4 +1,4 @@
-//! Plots of all scenes and methods at once: errors against the cost of the second eye, in three panels.
+//! Draws plots of all scenes and methods at once: errors against the cost of the second eye, in three panels.
 
 use std::error::Error;
 
@@ -28,7 +28,8 @@ pub(super) struct Dot {
 
 const PANELS: [&str; 3] = ["differing pixels, %", "wrong surface, % of pixels", "MSE"];
 
-/// Three panels over the same costs. Each method whose cost is beyond the axis has a column to the right of them.
+/// Three panels over the same costs. If the cost of a method is beyond the axis, it is drawn in a column to the right
+/// of the panels.
 pub(super) struct Scatter<'a> {
     pub(super) title: &'a str,
     pub(super) source: &'a str,

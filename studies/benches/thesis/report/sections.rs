@@ -1,4 +1,4 @@
-//! The page's sections of plots: a group of figures for each question.
+//! Makes the page's sections of plots: a group of figures for each question.
 
 use std::{collections::HashSet, error::Error};
 
@@ -38,7 +38,7 @@ pub(super) struct Section {
     pub(super) groups: Vec<Group>,
 }
 
-/// Draws all plots. `bands` are as in [`super::BANDS`].
+/// Draws all plots. `bands` has the form of [`super::BANDS`].
 pub(super) fn sections(
     content: &Content,
     names: &Names,
@@ -67,7 +67,8 @@ pub(super) fn last_of_each(records: &[Record]) -> Vec<&Record> {
     kept
 }
 
-/// Draws a question's plots, one per scene. There are more if it was measured in several sizes or on several machines.
+/// Draws a question's plots, one per scene. If the question was measured in several sizes or on several machines, there
+/// are more plots.
 fn group(
     question: &Question,
     records: &[&Record],
@@ -115,7 +116,7 @@ fn group(
     Ok(Group { slug: question.slug, title: question.title, sentence, figures, note })
 }
 
-/// Returns the lines of one scene in one setting: one per method by time, and one by counters.
+/// Returns the lines of one scene in one setting. Each method has one line from times, and one from counted tests.
 fn lines(question: &Question, records: &[&Record], names: &Names) -> Vec<Line> {
     let values = [(false, Some(question.value)), (true, question.counted)];
     let line = |method: usize, counted: bool, value: Value| {

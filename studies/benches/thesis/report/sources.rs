@@ -1,5 +1,5 @@
-//! Sources of right pixels: pictures and shares of one render by `bracket`, and the records of this project's own
-//! methods.
+//! Shows the sources of right pixels: pictures and shares of one render by `bracket`, and the records of this project's
+//! own methods.
 
 use std::fmt::Write as _;
 
@@ -25,8 +25,8 @@ pub(crate) struct Sources {
     pub(crate) height: u32,
     pub(crate) e_px: f32,
     pub(crate) lights: usize,
-    /// Pixels whose hit is not deeper than the left samples that land in its tile; whose hit is deeper; and without a
-    /// bound.
+    /// Percentages of pixels in three groups. In the first, the hit is not deeper than the left samples that land in
+    /// its tile. In the second, the hit is deeper. In the third, the tile has no bound.
     pub(crate) found: f64,
     pub(crate) deeper: f64,
     pub(crate) unbound: f64,

@@ -1,4 +1,4 @@
-//! Table and chart of the stability benchmark's results.
+//! Formats the table and the chart of the stability benchmark's results.
 
 use std::{error::Error, fmt::Write as _, fs, io::ErrorKind, path::Path};
 
@@ -13,7 +13,8 @@ use super::{
 pub(super) const SLUG: &str = "stability";
 pub(super) const TITLE: &str = "Stability suite";
 const COMMAND: &str = "cargo bench --bench stability";
-/// Columns per method: cost, and identical pixels and wrong surfaces, each of all pixels and of surfaces.
+/// Number of columns per method: cost, and identical pixels and wrong surfaces, both as shares of all pixels and of
+/// surfaces.
 const COLUMNS: usize = 5;
 
 /// Results of the benchmark.
@@ -34,7 +35,7 @@ struct Row {
     second_eye_counters: Option<f64>,
     identical: Option<f64>,
     wrong_surface: Option<f64>,
-    /// Missing also in files of older benchmarks.
+    /// This value is also missing in files of older benchmarks.
     identical_of_surfaces: Option<f64>,
     wrong_of_surfaces: Option<f64>,
     error: Option<String>,

@@ -1,4 +1,4 @@
-//! The table of all records.
+//! Formats the table of all records.
 
 use std::fmt::Write as _;
 

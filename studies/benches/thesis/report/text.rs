@@ -1,4 +1,4 @@
-//! Text of the page and its plots: counts and days in words, escaped markup, and base64.
+//! Formats text of the page and its plots: counts and days in words, escaped markup, and base64.
 
 pub(super) use crate::common::text::escape;
 use crate::record::Record;
