@@ -34,7 +34,7 @@
 //! | set up the eyes | [`StereoCamera`], or [`Rig`] for more than two views |
 //! | choose a method or more samples | [`Method`], [`Options`] |
 //! | write anaglyphs and other files | [`output`] |
-//! | get disparity, occlusion and normals | [`GroundTruth`] |
+//! | get disparity, occlusion and normals | [`GroundTruth`], [`Channel`] |
 //! | compare pictures | [`metrics`] |
 //! | trace my own rays | [`Ray`], [`Renderer::closest_hits`] |
 //! | draw into my own GPU program | [`Gpu::from_device`], [`FrameBuilder::encode`] |
@@ -134,10 +134,12 @@ pub mod camera {
 }
 
 pub use accel::bvh::BvhBuild;
+pub use ask::channel::{Channel, Maker};
 pub use ask::method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
 pub use ask::options::{Adaptive, AmbientOcclusion, GBuffer, MAX_BOUNCES, MAX_SOFT_RAYS, Options, Penumbra, Tone};
 pub use ask::progress::{OnProgress, Progress};
 pub use ask::samples::Filter;
+pub use ask::settings::Setting;
 pub use ask::shadow_buffer::{MAX_SHADOW_BUFFERS, ShadowBuffer, ShadowBufferWork, ShadowRule};
 pub use ask::visibility::Visibility;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
@@ -165,6 +167,7 @@ pub use scene::{
     Ellipsoid, Finish, Light, LightShape, MISS, Material, MaterialId, Mesh, Plane, Scene, Sky, SkyMap, Sphere, Texture,
     TextureId, TextureKind, Triangle, Wrap,
 };
+pub use truth::channels::{Channels, Values};
 pub use truth::disparity::Occlusion;
 pub use truth::ground_truth::{EyeTruth, GroundTruth};
 pub use truth::occlusion::Occlusions;

@@ -145,7 +145,7 @@ fn many_rays(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 4] {
         scene
     };
     let (above, below, white) = (Vec3::new(2.0, 4.0, 1.0), Vec3::new(2.0, -9.0, 1.0), Vec3::splat(0.8));
-    let occluded = plain().occlusion(AmbientOcclusion::new(16, 1.0));
+    let occluded = plain().ambient_occlusion(AmbientOcclusion::new(16, 1.0));
     [
         (
             "ellipsoids",

@@ -46,6 +46,7 @@ mod _stereotrace {
         module.add("LAYOUTS", super::values::names(stereotrace::dataset::Layout::ALL))?;
         module.add("ANAGLYPHS", super::values::names(stereotrace::output::Anaglyph::ALL))?;
         module.add("PACKINGS", super::values::names(stereotrace::output::Packing::ALL))?;
-        module.add("OUTPUTS", super::options::Output::names())
+        module.add("OPTIONS", stereotrace::Setting::ALL.iter().map(|setting| setting.name).collect::<Vec<_>>())?;
+        module.add("OUTPUTS", super::values::names(stereotrace::Channel::ALL))
     }
 }

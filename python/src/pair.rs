@@ -13,7 +13,7 @@ use pyo3::{
     types::{PyBytes, PyDict},
 };
 use stereotrace::{
-    EyeTruth, GroundTruth, PixelSource,
+    Channel, Channels, Error, GroundTruth, Values,
     dataset::Layout,
     output::{Anaglyph, Batch, ExrColor, Packing, Picture, quilt},
 };
@@ -21,7 +21,7 @@ use stereotrace::{
 use crate::{
     camera::Camera,
     errors::{raised, refused},
-    options::{Output, Request},
+    options::Request,
     picture::{array, encoded, rgb, shaped},
     statistics,
     values::named,
@@ -66,20 +66,11 @@ impl Source {
         }
     }
 
-    fn truth(&self) -> Option<&EyeTruth> {
+    fn channels(&self) -> Channels<'_> {
         match self {
-            Self::Left(frame) => frame.truth.as_ref().map(|truth| &truth.left),
-            Self::Right(frame) => frame.truth.as_ref().map(|truth| &truth.right),
-            Self::Rig(..) => None,
-        }
-    }
-
-    /// Returns where each pixel came from. It is empty for a pair's left view.
-    fn pixel_source(&self) -> &[PixelSource] {
-        match self {
-            Self::Left(_) => &[],
-            Self::Right(frame) => &frame.pair.source,
-            Self::Rig(frame, index) => &frame.views.views[*index].source,
+            Self::Left(frame) => frame.pair.left_channels(frame.truth.as_ref()),
+            Self::Right(frame) => frame.pair.right_channels(frame.truth.as_ref()),
+            Self::Rig(frame, index) => frame.views.views[*index].channels(),
         }
     }
 }
@@ -135,7 +126,7 @@ impl View {
     }
 
     /// Returns an array: the kept one, or a new one on first access.
-    fn get(&self, py: Python<'_>, output: Output) -> PyResult<Py<PyAny>> {
+    fn get(&self, py: Python<'_>, output: Channel) -> PyResult<Py<PyAny>> {
         if !self.source.request().has(output) {
             let name = output.name();
             let advice = format!("'{name}' was not requested: name it in outputs, as outputs=['{name}']");
@@ -149,59 +140,24 @@ impl View {
         Ok(made.entry(output.name()).or_insert(array).clone_ref(py))
     }
 
-    fn make(&self, py: Python<'_>, output: Output) -> PyResult<Py<PyAny>> {
+    fn make(&self, py: Python<'_>, output: Channel) -> PyResult<Py<PyAny>> {
         let view = self.source.view();
         let size = [view.width, view.height];
-        let none = |why: &str| Err(PyAttributeError::new_err(format!("'{}': {why}", output.name())));
-        let truth = || {
-            self.source.truth().ok_or_else(|| {
-                PyAttributeError::new_err(format!("'{}' is ground truth, which only pairs have", output.name()))
-            })
-        };
-        Ok(match output {
-            Output::Color => rgb(py, size, &view.rgba8).into_any().unbind(),
-            Output::Linear => {
-                let rgb: Vec<[f32; 3]> = view.linear.iter().map(|&[red, green, blue, _]| [red, green, blue]).collect();
+        let values = self.source.channels().get(output).map_err(|error| match error {
+            Error::Options { option, reason, .. } => PyAttributeError::new_err(format!("'{option}': {reason}")),
+            other => raised(other),
+        })?;
+        Ok(match values {
+            Values::Color(colors) => rgb(py, size, colors).into_any().unbind(),
+            Values::Linear(colors) => {
+                let rgb: Vec<[f32; 3]> = colors.iter().map(|&[red, green, blue, _]| [red, green, blue]).collect();
                 shaped(py, size, rgb).into_any().unbind()
             }
-            Output::Depth => plane(py, size, view.depth.clone()),
-            Output::Primitive => plane(py, size, view.primitive.clone()),
-            Output::Object => plane(py, size, view.object.clone()),
-            Output::Cost => plane(py, size, view.cost.clone()),
-            Output::Disparity => {
-                let disparity = match &self.source {
-                    Source::Left(frame) => frame.pair.disparity(),
-                    Source::Right(frame) => frame.pair.right_disparity(),
-                    Source::Rig(..) => return none("only pairs have disparities; Camera.disparity converts a depth"),
-                };
-                if disparity.is_empty() {
-                    return none("toed-in eyes have none: points do not stay in their rows");
-                }
-                plane(py, size, disparity)
-            }
-            Output::Source => {
-                let source = self.source.pixel_source();
-                if source.is_empty() {
-                    return none("the left view is traced; the right view has it");
-                }
-                plane(py, size, source.iter().map(|source| *source as u8).collect())
-            }
-            Output::ShadowSource => {
-                let source = match &self.source {
-                    Source::Left(_) => return none("the left view is traced; the right view has it"),
-                    Source::Right(frame) => &frame.pair.shadow_source,
-                    Source::Rig(frame, index) => &frame.views.views[*index].shadow_source,
-                };
-                if source.is_empty() {
-                    return none("only bracket methods provide it");
-                }
-                plane(py, size, source.iter().map(|source| *source as u8).collect())
-            }
-            Output::Distance => plane(py, size, truth()?.distance.clone()),
-            Output::Occlusion => plane(py, size, truth()?.occlusion.iter().map(|found| *found as u8).collect()),
-            Output::Material => plane(py, size, truth()?.material.clone()),
-            Output::Normal => shaped(py, size, truth()?.shading_normal.clone()).into_any().unbind(),
-            Output::GeometricNormal => shaped(py, size, truth()?.geometric_normal.clone()).into_any().unbind(),
+            Values::Floats(values) => plane(py, size, values.into_owned()),
+            Values::Vectors(vectors) => shaped(py, size, vectors.to_vec()).into_any().unbind(),
+            Values::Ids(values) | Values::Counts(values) => plane(py, size, values.to_vec()),
+            Values::Codes(values) => plane(py, size, values),
+            _ => return Err(refused(format!("'{output}' has no array"))),
         })
     }
 }
@@ -217,7 +173,7 @@ fn plane<T: Element>(py: Python<'_>, [width, height]: [u32; 2], values: Vec<T>) 
 #[pymethods]
 impl View {
     fn __getattr__(&self, py: Python<'_>, name: &str) -> PyResult<Py<PyAny>> {
-        match name.parse() {
+        match name.parse::<Channel>() {
             Ok(output) => self.get(py, output),
             Err(_) => Err(PyAttributeError::new_err(format!("a view has no '{name}'"))),
         }

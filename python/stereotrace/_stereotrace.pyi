@@ -15,6 +15,7 @@ __all__ = [
     "LAYOUTS",
     "METHODS",
     "MISS",
+    "OPTIONS",
     "OUTPUTS",
     "PACKINGS",
     "AdapterError",
@@ -41,6 +42,7 @@ BUILTINS: Final[list[str]]
 LAYOUTS: Final[list[str]]
 ANAGLYPHS: Final[list[str]]
 PACKINGS: Final[list[str]]
+OPTIONS: Final[list[str]]
 OUTPUTS: Final[list[str]]
 
 Point: TypeAlias = Sequence[float] | npt.NDArray[Any]

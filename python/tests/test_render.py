@@ -286,6 +286,21 @@ def raises(kind, text, call):
     assert type(caught.value) is kind
 
 
+def test_every_option_and_output_is_described():
+    described = Renderer.render.__doc__
+    assert all(f"- ``{name}``: " in described for name in [*stereotrace.OPTIONS, "outputs"])
+    assert all(f"- ``{name}``: " in stereotrace.View.__doc__ for name in stereotrace.OUTPUTS)
+    for name, value in {
+        "adaptive": (4, 8.0),
+        "ambient_occlusion": None,
+        "jitter": np.bool_(False),
+        "penumbra": "exact",
+        "samples": np.int64(1),
+        "shadow_buffer": (400, "depth"),
+    }.items():
+        stereotrace.check_options(**{name: value})
+
+
 def test_errors_say_what_is_wrong(renderer, hall, tmp_path):
     camera = hall.camera(size=(32, 24))
     broken = tmp_path / "broken.obj"
@@ -295,7 +310,7 @@ def test_errors_say_what_is_wrong(renderer, hall, tmp_path):
     raises(ValueError, "built-in scene 'x'; use one of", lambda: Scene.builtin("x"))
     raises(ValueError, "method 'x'; use one of", lambda: renderer.render(hall, camera, method="x"))
     raises(
-        ValueError, "unknown option 'sample'; the options are method", lambda: renderer.render(hall, camera, sample=4)
+        ValueError, "unknown option 'sample'; use one of method", lambda: renderer.render(hall, camera, sample=4)
     )
     raises(ValueError, "samples: 3 per pixel", lambda: renderer.render(hall, camera, samples=3))
     raises(ValueError, "samples: -1 must be", lambda: renderer.render(hall, camera, samples=-1))

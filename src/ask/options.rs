@@ -41,7 +41,7 @@ pub struct Options {
     /// Rays to each extended light, 1 to [`MAX_SOFT_RAYS`]; 16 by default.
     pub shadow_rays: u32,
     /// Ambient occlusion; with `None`, the default, ambient light reaches every point.
-    pub occlusion: Option<AmbientOcclusion>,
+    pub ambient_occlusion: Option<AmbientOcclusion>,
     /// Number of sky light rays, 1 to [`MAX_SOFT_RAYS`]. With `None`, the default, ambient light is used instead.
     pub sky_rays: Option<u32>,
     /// How a view reuses its source view's shares of soft light.
@@ -199,7 +199,7 @@ impl Options {
             adaptive: None,
             jitter: true,
             shadow_rays: 16,
-            occlusion: None,
+            ambient_occlusion: None,
             sky_rays: None,
             penumbra: Penumbra::default(),
             seed: 0,
@@ -298,8 +298,8 @@ impl Options {
     }
 
     /// Sets ambient occlusion.
-    pub fn occlusion(mut self, occlusion: impl Into<Option<AmbientOcclusion>>) -> Self {
-        self.occlusion = occlusion.into();
+    pub fn ambient_occlusion(mut self, occlusion: impl Into<Option<AmbientOcclusion>>) -> Self {
+        self.ambient_occlusion = occlusion.into();
         self
     }
 
@@ -310,9 +310,9 @@ impl Options {
     /// brightness instead, so that a small sun makes no noise.
     ///
     /// Sky light replaces ambient light: [`Scene::ambient`](crate::Scene::ambient) is not added, and
-    /// [`Options::occlusion`] has nothing to scale, so frames with both are errors. Highlights come from lights only,
-    /// and mirrors and glass show the sky itself. A sky map already contains its sun; a light in the same place would
-    /// add a second one.
+    /// [`Options::ambient_occlusion`] has nothing to scale, so frames with both are errors. Highlights come from lights
+    /// only, and mirrors and glass show the sky itself. A sky map already contains its sun; a light in the same place
+    /// would add a second one.
     pub fn sky_rays(mut self, rays: impl Into<Option<u32>>) -> Self {
         self.sky_rays = rays.into();
         self
@@ -320,7 +320,7 @@ impl Options {
 
     /// Returns the query for a point's surroundings: sky light rays of infinite length, or ambient occlusion.
     pub(crate) fn surroundings(&self) -> Option<AmbientOcclusion> {
-        self.sky_rays.map(|rays| AmbientOcclusion::new(rays, f32::INFINITY)).or(self.occlusion)
+        self.sky_rays.map(|rays| AmbientOcclusion::new(rays, f32::INFINITY)).or(self.ambient_occlusion)
     }
 
     /// Sets how a view reuses its source view's shares of soft light.
@@ -383,18 +383,18 @@ impl Options {
         }
         within("bounces", self.bounces, 0..=MAX_BOUNCES)?;
         within("shadow_rays", self.shadow_rays, 1..=MAX_SOFT_RAYS)?;
-        if let Some(AmbientOcclusion { rays, radius }) = self.occlusion {
-            within("occlusion", rays, 1..=MAX_SOFT_RAYS)?;
-            above_zero("occlusion radius", radius)?;
+        if let Some(AmbientOcclusion { rays, radius }) = self.ambient_occlusion {
+            within("ambient_occlusion", rays, 1..=MAX_SOFT_RAYS)?;
+            above_zero("ambient_occlusion radius", radius)?;
         }
         self.check_adaptive()?;
         self.shadow_buffer.map_or(Ok(()), |buffer| buffer.check())?;
         if let Some(rays) = self.sky_rays {
             within("sky_rays", rays, 1..=MAX_SOFT_RAYS)?;
-            if self.occlusion.is_some() {
+            if self.ambient_occlusion.is_some() {
                 let reason = "sky light (sky_rays) replaces ambient light, which ambient occlusion would darken; use \
                               one of the two";
-                return Err(Error::Options { option: "occlusion", reason: reason.into() });
+                return Err(Error::Options { option: "ambient_occlusion", reason: reason.into() });
             }
         }
         match self.penumbra {

@@ -13,7 +13,7 @@ use exr::{
 use half::f16;
 
 use super::{Batch, calibration::world_to_camera, file::check_count};
-use crate::{Error, EyeTruth, GroundTruth, MISS, Pose, StereoPair, View};
+use crate::{Channel, Channels, Error, GroundTruth, MISS, Maker, Pose, StereoPair, Values, View};
 
 /// Sample type of colours in an `OpenEXR` file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -60,10 +60,12 @@ impl Batch {
         color: ExrColor,
     ) -> Result<(), Error> {
         let path = path.as_ref();
-        let eyes = truth.map(|truth| [&truth.left, &truth.right]);
-        let layers = [("left", &pair.left, -1.0), ("right", &pair.right, 1.0)].into_iter().enumerate();
-        let layers = layers.map(|(index, (name, view, side))| {
-            let channels = channels(path, view, eyes.map(|eyes| eyes[index]), color)?;
+        let eyes = [
+            ("left", &pair.left, -1.0, pair.left_channels(truth)),
+            ("right", &pair.right, 1.0, pair.right_channels(truth)),
+        ];
+        let layers = eyes.into_iter().map(|(name, view, side, channels)| {
+            let channels = file_channels(path, view, channels, color)?;
             let size = Vec2(view.width as usize, view.height as usize);
             let encoding = Encoding::SMALL_LOSSLESS;
             Ok(Layer::new(size, attributes(&pair.pose, name, side), encoding, AnyChannels::sort(channels.into())))
@@ -98,60 +100,55 @@ fn attributes(pose: &Pose, name: &str, side: f64) -> LayerAttributes {
     }
 }
 
-type Channel = AnyChannel<FlatSamples>;
-
-fn channels(path: &Path, view: &View, truth: Option<&EyeTruth>, color: ExrColor) -> Result<Vec<Channel>, Error> {
-    let missing = |option, reason: &str| Err(Error::Options { option, reason: reason.into() });
+/// Returns the channels of a view that the file holds.
+fn file_channels(path: &Path, view: &View, channels: Channels<'_>, color: ExrColor) -> Result<FileChannels, Error> {
     let count = view.rgba8.len();
     check_count(path, view.width, view.height, count)?;
     if view.linear.len() != count {
-        return missing(
-            "linear",
-            "an OpenEXR file needs linear light, but this pair has none; use Options::linear(true)",
-        );
+        let reason = "an OpenEXR file needs linear light, but this pair has none; use Options::linear(true)";
+        return Err(Error::Options { option: "linear", reason: reason.into() });
     }
     if view.depth.len() != count || view.primitive.len() != count {
-        return missing("g_buffer", "an OpenEXR file needs depths and ids; use GBuffer::Ids");
+        let reason = "an OpenEXR file needs depths and ids; use GBuffer::Ids";
+        return Err(Error::Options { option: "g_buffer", reason: reason.into() });
     }
-    let rgb = ["R", "G", "B"].iter().enumerate().map(|(index, name)| {
-        let values = view.linear.iter().map(|pixel| pixel[index]);
-        let samples = match color {
-            ExrColor::Half => {
-                FlatSamples::F16(values.map(|value| f16::from_f32(value.min(f16::MAX.to_f32()))).collect())
-            }
-            ExrColor::Float => FlatSamples::F32(values.collect()),
-        };
-        AnyChannel::new(*name, samples)
-    });
-    let mut channels: Vec<Channel> = rgb.collect();
-    channels.push(floats("Z", view.depth.clone()));
-    channels.push(ids("id.primitive", &view.primitive));
-    channels.push(ids("id.object", &view.object));
-    let Some(truth) = truth else { return Ok(channels) };
-    if [truth.width, truth.height] != [view.width, view.height] {
-        let sizes = format!("{}x{} and {}x{}", truth.width, truth.height, view.width, view.height);
-        return Err(Error::Sizes { sizes, reason: "the ground truth must belong to the pair" });
-    }
-    channels.push(ids("id.material", &truth.material));
-    channels.push(floats("disparity", truth.disparity.clone()));
-    channels.push(floats("distance", truth.distance.clone()));
-    for (name, normals) in [("N", &truth.shading_normal), ("Ng", &truth.geometric_normal)] {
-        for (index, axis) in ["X", "Y", "Z"].iter().enumerate() {
-            let values = normals.iter().map(|normal| normal[index]);
-            channels.push(floats(&format!("{name}.{axis}"), values.collect()));
+    let mut all = FileChannels::new();
+    for &channel in Channel::ALL {
+        let is_of_view = channel.maker() == Maker::View;
+        if channel.exr_names().is_empty() || !(is_of_view || channels.has_truth()) {
+            continue;
         }
+        let components = samples(&channels.get(channel)?, color);
+        all.extend(channel.exr_names().iter().zip(components).map(|(name, samples)| AnyChannel::new(*name, samples)));
     }
-    Ok(channels)
+    Ok(all)
 }
 
-fn floats(name: &str, values: Vec<f32>) -> Channel {
-    AnyChannel::new(name, FlatSamples::F32(values))
-}
+type FileChannels = Vec<AnyChannel<FlatSamples>>;
 
-/// Creates an id channel: 0 for [`MISS`], else the id + 1.
-fn ids(name: &str, ids: &[u32]) -> Channel {
+/// Returns the samples of each component. An id is stored as 0 for [`MISS`], else as the id + 1.
+fn samples(values: &Values<'_>, color: ExrColor) -> Vec<FlatSamples> {
     const { assert!(MISS == u32::MAX) };
-    AnyChannel::new(name, FlatSamples::U32(ids.iter().map(|id| id.wrapping_add(1)).collect()))
+    match values {
+        Values::Linear(colors) => {
+            let component = |index: usize| colors.iter().map(move |color| color[index]);
+            let half = |value: f32| f16::from_f32(value.min(f16::MAX.to_f32()));
+            let samples = |index| match color {
+                ExrColor::Half => FlatSamples::F16(component(index).map(half).collect()),
+                ExrColor::Float => FlatSamples::F32(component(index).collect()),
+            };
+            [0, 1, 2].map(samples).into()
+        }
+        Values::Floats(values) => vec![FlatSamples::F32(values.to_vec())],
+        Values::Vectors(vectors) => {
+            let component = |index: usize| FlatSamples::F32(vectors.iter().map(|vector| vector[index]).collect());
+            [0, 1, 2].map(component).into()
+        }
+        Values::Ids(ids) => vec![FlatSamples::U32(ids.iter().map(|id| id.wrapping_add(1)).collect())],
+        Values::Counts(counts) => vec![FlatSamples::U32(counts.to_vec())],
+        Values::Codes(codes) => vec![FlatSamples::U32(codes.iter().map(|&code| code.into()).collect())],
+        Values::Color(_) => unreachable!("files hold linear colours"),
+    }
 }
 
 #[cfg(test)]

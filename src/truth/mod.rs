@@ -1,5 +1,6 @@
 //! Ground truth of views, and measures of pictures against it.
 
+pub(crate) mod channels;
 pub(crate) mod disparity;
 pub(crate) mod ground_truth;
 pub mod metrics;

@@ -110,7 +110,7 @@ fn soften(scene: &mut Scene, softness: Softness) -> Result<Options, Box<dyn Erro
                 *light = Light::sphere(light.position, radius * diagonal, light.intensity);
             }
         }
-        Softness::Occlusion(reach) => base = base.occlusion(AmbientOcclusion::new(16, reach * diagonal)),
+        Softness::Occlusion(reach) => base = base.ambient_occlusion(AmbientOcclusion::new(16, reach * diagonal)),
         Softness::SkyGradient => {
             scene.sky = Sky::Gradient { nadir: Vec3::splat(0.3), zenith: Vec3::new(0.5, 0.7, 1.0) };
             base = base.sky_rays(16);
@@ -201,7 +201,8 @@ fn converged(
 ) -> Result<Vec<[f64; 3]>, stereotrace::Error> {
     let mut base = base.clone().linear(true).shadow_rays(MAX_SOFT_RAYS);
     base.sky_rays = base.sky_rays.map(|_| MAX_SOFT_RAYS);
-    base.occlusion = base.occlusion.map(|occlusion| AmbientOcclusion::new(MAX_SOFT_RAYS, occlusion.radius));
+    base.ambient_occlusion =
+        base.ambient_occlusion.map(|occlusion| AmbientOcclusion::new(MAX_SOFT_RAYS, occlusion.radius));
     let mut sum = Vec::new();
     for seed in 1..=seeds {
         let pair = renderer.pair(scene, camera).options(&base.clone().seed(seed)).read().wait()?;

@@ -89,7 +89,7 @@ fn bracket_rays_are_naive_to_the_last_bit() {
         let rig = Rig::at(camera, vec![-0.5, 0.5, 1.5, -1.5]).traced(vec![1]);
         let options = |method| {
             let options = Options::new(method).linear(true).adaptive(Adaptive::new(levels, 12.0)).shadow_rays(4);
-            options.occlusion(AmbientOcclusion::new(4, 2.0))
+            options.ambient_occlusion(AmbientOcclusion::new(4, 2.0))
         };
         let naive = views(&mut renderer, &uploaded, &rig, options(Method::Naive));
         let rays = views(&mut renderer, &uploaded, &rig, options(Method::BRACKET_RAYS));

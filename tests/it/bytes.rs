@@ -42,7 +42,7 @@ fn settings() -> Vec<(&'static str, Options, bool)> {
         ("counted", plain().count(true).cost_map(true), false),
         ("samples", plain().samples(4).jitter(true), false),
         ("adaptive", plain().adaptive(Adaptive::new(2, 0.05)), false),
-        ("soft", plain().shadow_rays(4).occlusion(AmbientOcclusion::new(4, 1.0)), false),
+        ("soft", plain().shadow_rays(4).ambient_occlusion(AmbientOcclusion::new(4, 1.0)), false),
         ("sky", plain().sky_rays(4), false),
         ("t-buffer", plain().visibility(Visibility::TBuffer), false),
         ("shadow-buffer", plain().shadow_buffer(ShadowBuffer::new(64)), false),

@@ -151,7 +151,7 @@ fn bracket_rays_are_naive_by_every_camera_and_every_kind_of_frame() {
                 ("one sample", plain.clone()),
                 ("samples", plain.clone().samples(4)),
                 ("adaptive samples", plain.clone().adaptive(Adaptive::new(3, 8.0))),
-                ("soft light", plain.clone().occlusion(AmbientOcclusion::new(4, 1.0)).shadow_rays(4)),
+                ("soft light", plain.clone().ambient_occlusion(AmbientOcclusion::new(4, 1.0)).shadow_rays(4)),
                 ("a T-buffer", plain.clone().visibility(Visibility::TBuffer)),
                 ("shadow-buffers", plain.clone().shadow_buffer(ShadowBuffer::new(128))),
             ];

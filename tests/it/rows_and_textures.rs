@@ -166,7 +166,8 @@ fn a_sky_alone_is_encoded_whole_in_every_band() {
     scene.sky = Sky::Constant(Vec3::new(0.2, 0.5, 0.9));
     let uploaded = renderer.upload(&scene).wait().unwrap();
     let camera = camera().size(300, 260);
-    let options = Options::new(Method::Naive).g_buffer(GBuffer::Depth).occlusion(AmbientOcclusion::new(32, 1.0));
+    let options =
+        Options::new(Method::Naive).g_buffer(GBuffer::Depth).ambient_occlusion(AmbientOcclusion::new(32, 1.0));
     let (encoded, commands) =
         renderer.views(&uploaded, &Rig::pair(camera)).options(&options).encode_bands().wait().unwrap();
     assert!(commands.len() > 1, "{}", commands.len());

@@ -354,7 +354,10 @@ fn what_can_not_be_rendered_is_refused_by_name() {
         (lit(0), "sky_rays: 0; it must be 1 to 32"),
         (lit(33), "sky_rays: 33; it must be 1 to 32"),
         (lit(u32::MAX), "sky_rays: 4294967295"),
-        (lit(4).occlusion(AmbientOcclusion::new(4, 1.0)), "occlusion: sky light (sky_rays) replaces ambient light"),
+        (
+            lit(4).ambient_occlusion(AmbientOcclusion::new(4, 1.0)),
+            "occlusion: sky light (sky_rays) replaces ambient light",
+        ),
     ] {
         let error = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err();
         assert!(matches!(error, Error::Options { .. }) && error.to_string().contains(text), "{error}");

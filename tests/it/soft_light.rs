@@ -96,7 +96,7 @@ fn a_ball_keeps_ambient_light_off_a_floor_by_its_closed_form() {
     let white = scene.add_material(Material::new(Vec3::ZERO));
     scene.add_sphere(Sphere::new(Vec3::Y, 1.0, white)).unwrap();
     scene.ambient = Some(Vec3::splat(0.8));
-    let options = |rays, radius| naive().occlusion(AmbientOcclusion::new(rays, radius));
+    let options = |rays, radius| naive().ambient_occlusion(AmbientOcclusion::new(rays, radius));
     let seen = |options: &Options, seeds| {
         let mut pixels = light_on_floor(&scene, options, 4.0, seeds);
         // From above, the ball hides the floor nearly below it.
@@ -136,7 +136,7 @@ fn stage(builtin: Builtin) -> (Scene, StereoCamera) {
 }
 
 fn soft(method: Method) -> Options {
-    Options::new(method).occlusion(AmbientOcclusion::new(8, 1.0)).shadow_rays(20)
+    Options::new(method).ambient_occlusion(AmbientOcclusion::new(8, 1.0)).shadow_rays(20)
 }
 
 fn rendered(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, options: &Options) -> StereoPair {
@@ -201,13 +201,14 @@ fn shared_penumbrae_are_no_farther_from_the_limit_than_naives_noise() {
             *light = Light::sphere(light.position, radius, light.intensity);
         }
         let uploaded = renderer.upload(&scene).wait().unwrap();
-        let options = |method| Options::new(method).linear(true).occlusion(AmbientOcclusion::new(16, 1.0));
+        let options = |method| Options::new(method).linear(true).ambient_occlusion(AmbientOcclusion::new(16, 1.0));
         let mut render = |options: &Options| renderer.pair(&uploaded, &camera).options(options).read().wait().unwrap();
         let seeds = 32;
         let mut limit = vec![[0.0; 3]; camera_pixels(&camera)];
         for seed in 1..=seeds {
-            let pair =
-                render(&options(Method::Naive).occlusion(AmbientOcclusion::new(32, 1.0)).shadow_rays(32).seed(seed));
+            let pair = render(
+                &options(Method::Naive).ambient_occlusion(AmbientOcclusion::new(32, 1.0)).shadow_rays(32).seed(seed),
+            );
             for (sum, color) in limit.iter_mut().zip(&pair.right.linear) {
                 (0..3).for_each(|k| sum[k] += f64::from(color[k]) / f64::from(seeds));
             }
@@ -323,9 +324,9 @@ fn what_can_not_be_rendered_is_refused_by_name() {
     for (options, text) in [
         (plain().shadow_rays(0), "shadow_rays"),
         (plain().shadow_rays(33), "33; it must be 1 to 32"),
-        (plain().occlusion(AmbientOcclusion::new(0, 1.0)), "occlusion"),
-        (plain().occlusion(AmbientOcclusion::new(4, f32::NAN)), "occlusion radius"),
-        (plain().occlusion(AmbientOcclusion::new(4, -1.0)), "-1; it must be above 0"),
+        (plain().ambient_occlusion(AmbientOcclusion::new(0, 1.0)), "occlusion"),
+        (plain().ambient_occlusion(AmbientOcclusion::new(4, f32::NAN)), "occlusion radius"),
+        (plain().ambient_occlusion(AmbientOcclusion::new(4, -1.0)), "-1; it must be above 0"),
         (plain().penumbra(Penumbra::Shared { deviations: f32::NAN }), "deviations"),
     ] {
         let error = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err();

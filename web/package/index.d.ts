@@ -1,6 +1,6 @@
 export {
-    Pair, Renderer, Scene, Views, anaglyphs, builtins, methods, packings, render, version,
+    Pair, Renderer, Scene, Views, anaglyphs, builtins, channels, methods, options, packings, render, version,
 } from "./stereotrace_web.js";
 export type {
-    AnaglyphName, Camera, Difference, Eye, Light, Material, Mesh, MethodName, PackingName, Rays, RenderOptions, SceneInfo, Statistics, Vector,
+    AnaglyphName, Camera, ChannelName, Difference, Eye, Light, Material, Mesh, MethodName, PackingName, Rays, RenderOptions, SceneInfo, Statistics, Vector,
 } from "./stereotrace_web.js";

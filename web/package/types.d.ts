@@ -17,6 +17,11 @@ export type PackingName =
     | "side-by-side" | "half-side-by-side" | "cross-eyed" | "top-bottom" | "half-top-bottom" | "row-interlaced"
     | "column-interlaced" | "checkerboard";
 
+/** An output of a view: one of `channels()`. Pairs of this package have no ground truth. */
+export type ChannelName =
+    | "color" | "linear" | "depth" | "disparity" | "primitive" | "object" | "source" | "shadow_source" | "cost"
+    | (string & {});
+
 /**
  * Two eyes that look through one screen rectangle (off-axis projection). The world is right-handed with y up. Lengths
  * are in world units.
@@ -53,6 +58,10 @@ export interface RenderOptions {
     samples?: number;
     /** Weights of samples. Default `"box"`. */
     filter?: "box" | "tent" | "gauss";
+    /** Whether to jitter the sample grid, so that near-vertical edges get more levels. Default true. */
+    jitter?: boolean;
+    /** Adaptive antialiasing in place of `samples`: a tolerance in 8-bit values, and 2 to 5 levels. */
+    adaptive?: { tolerance: number; levels: number } | null;
     /** Whether to count BVH nodes and primitive tests for `Statistics.secondEye`, which is slower. */
     count?: boolean;
     /** Maximum number of reflections and refractions along a ray, 0 to 8. Default 5. */
@@ -60,9 +69,17 @@ export interface RenderOptions {
     /** Rays to each light that is not a point, 1 to 32. Default 16. */
     shadowRays?: number;
     /** Number of rays, 1 to 32, by which the sky lights surfaces, in place of ambient light. */
-    skyRays?: number;
+    skyRays?: number | null;
     /** Ambient occlusion: rays, 1 to 32, and radius for occluders in world units. */
-    ambientOcclusion?: { rays: number; radius: number };
+    ambientOcclusion?: { rays: number; radius: number } | null;
+    /** Soft light that the second eye reuses: of points that are fully lit or shadowed, or of penumbrae too. */
+    penumbra?: "exact" | "shared";
+    /** Whether each view has its own random numbers. Default false. */
+    noiseByView?: boolean;
+    /** How traced views find their closest hits. Default `"rays"`. */
+    visibility?: "rays" | "t-buffer";
+    /** Shadow buffers in place of shadow rays to point lights: rows of a table, and a rule. */
+    shadowBuffer?: { rows: number; rule: "object" | "depth" | "hybrid" } | null;
     /** Exposure in stops, -64 to 64. */
     exposure?: number;
     /** Tone mapping: clamp values above 1, or map all values by a filmic curve. Default `"clamp"`. */

@@ -72,6 +72,18 @@ pub fn anaglyphs() -> Vec<String> {
     values::names(stereotrace::output::Anaglyph::ALL)
 }
 
+/// Returns the keys of all options of rendering, except `signal` and `onProgress`.
+#[wasm_bindgen]
+pub fn options() -> Vec<String> {
+    stereotrace::Setting::ALL.iter().map(|setting| options::key_of(setting.name)).collect()
+}
+
+/// Returns the names of all outputs of a view.
+#[wasm_bindgen]
+pub fn channels() -> Vec<String> {
+    values::names(stereotrace::Channel::ALL)
+}
+
 /// Returns the names of all packings of two views in one picture.
 #[wasm_bindgen]
 pub fn packings() -> Vec<String> {

@@ -2,43 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use serde::Deserialize;
-use stereotrace::{AmbientOcclusion, Filter, Method, Options, Progress, Tone};
+use js_sys::{Array, Object, Reflect};
+use stereotrace::{Error, Options, Progress, Setting};
 use wasm_bindgen::{JsCast, JsValue};
 use web_sys::AbortSignal;
 
-use crate::{
-    errors::{raised, refused},
-    values,
-};
-
-/// `RenderOptions` of `types.d.ts`.
-#[derive(Default, Deserialize)]
-#[serde(rename_all = "camelCase", default)]
-struct Given {
-    method: Option<String>,
-    samples: Option<u32>,
-    filter: Option<String>,
-    count: Option<bool>,
-    bounces: Option<u32>,
-    shadow_rays: Option<u32>,
-    sky_rays: Option<u32>,
-    #[serde(with = "serde_wasm_bindgen::preserve")]
-    ambient_occlusion: JsValue,
-    exposure: Option<f32>,
-    tone: Option<String>,
-    seed: Option<u32>,
-    #[serde(with = "serde_wasm_bindgen::preserve")]
-    signal: JsValue,
-    #[serde(with = "serde_wasm_bindgen::preserve")]
-    on_progress: JsValue,
-}
-
-#[derive(Deserialize)]
-struct Occlusion {
-    rays: u32,
-    radius: f32,
-}
+use crate::errors::{raised, refused};
 
 /// The library's options, and the callbacks of a frame.
 pub(crate) struct Request {
@@ -48,38 +17,25 @@ pub(crate) struct Request {
 }
 
 impl Request {
-    /// Reads a plain object. Without one, all options have their defaults.
+    /// Reads a plain object: `RenderOptions` of `types.d.ts`. Without one, all options have their defaults.
     pub(crate) fn read(value: JsValue) -> Result<Self, JsValue> {
-        let given: Given = if is_nothing(&value) { Given::default() } else { values::read("options", value)? };
-        let mut options = Options::default();
-        if let Some(name) = given.method {
-            options = options.method(values::named::<Method>(&name)?);
+        let mut request = Self { options: Options::default(), signal: None, on_progress: None };
+        if is_nothing(&value) {
+            return Ok(request);
         }
-        if let Some(name) = given.filter {
-            options = options.filter(values::named::<Filter>(&name)?);
+        let object: Object = value.dyn_into().map_err(|_| refused("options: they must be an object"))?;
+        for entry in Object::entries(&object) {
+            let entry: Array = entry.unchecked_into();
+            let (key, value) = (entry.get(0).as_string().unwrap_or_default(), entry.get(1));
+            match &*key {
+                "signal" => request.signal = of_type(value, "options.signal: it must be an AbortSignal")?,
+                "onProgress" => request.on_progress = of_type(value, "options.onProgress: it must be a function")?,
+                _ if value.is_undefined() => {}
+                _ => request.options = with(request.options, &key, &value)?,
+            }
         }
-        options = options.count(given.count.unwrap_or(false)).sky_rays(given.sky_rays);
-        if !is_nothing(&given.ambient_occlusion) {
-            let Occlusion { rays, radius } = values::read("options.ambientOcclusion", given.ambient_occlusion)?;
-            options = options.occlusion(AmbientOcclusion::new(rays, radius));
-        }
-        options.samples = given.samples.unwrap_or(options.samples);
-        options.bounces = given.bounces.unwrap_or(options.bounces);
-        options.shadow_rays = given.shadow_rays.unwrap_or(options.shadow_rays);
-        options.exposure = given.exposure.unwrap_or(options.exposure);
-        options.seed = given.seed.unwrap_or(options.seed);
-        options.tone = match given.tone.as_deref() {
-            None | Some("clamp") => Tone::Clamp,
-            Some("filmic") => Tone::Filmic,
-            Some(_) => return Err(refused("options.tone: it must be clamp or filmic")),
-        };
-        options.check().map_err(raised)?;
-        let (signal, on_progress) = (given.signal, given.on_progress);
-        Ok(Self {
-            options,
-            signal: of_type(signal, "options.signal: it must be an AbortSignal")?,
-            on_progress: of_type(on_progress, "options.onProgress: it must be a function")?,
-        })
+        request.options.check().map_err(raised)?;
+        Ok(request)
     }
 
     /// Reports progress after each band of rows, and breaks if the signal was aborted.
@@ -93,6 +49,61 @@ impl Request {
             false => ControlFlow::Continue(()),
         }
     }
+}
+
+/// Sets an option of the library, whose name has underscores in place of capitals.
+fn with(options: Options, key: &str, value: &JsValue) -> Result<Options, JsValue> {
+    let name: String = key.chars().flat_map(spelled).collect();
+    let Some(setting) = Setting::ALL.iter().find(|setting| setting.name == name) else {
+        let known: Vec<String> = Setting::ALL.iter().map(|setting| key_of(setting.name)).collect();
+        let known = known.join(", ");
+        return Err(refused(&format!("options: unknown field '{key}'; the fields are {known}, signal, onProgress")));
+    };
+    let text = text(value, setting).map_err(|reason| refused(&format!("options.{key}: {reason}")))?;
+    options.set(setting.name, &text).map_err(|error| match error {
+        Error::Options { reason, .. } => refused(&format!("options.{key}: {reason}")),
+        other => raised(other),
+    })
+}
+
+fn spelled(letter: char) -> impl Iterator<Item = char> {
+    letter.is_ascii_uppercase().then_some('_').into_iter().chain([letter.to_ascii_lowercase()])
+}
+
+/// Returns an option's key in JavaScript.
+pub(crate) fn key_of(name: &str) -> String {
+    let words = name.split('_').enumerate();
+    words.map(|(index, word)| if index == 0 { word.into() } else { word[..1].to_uppercase() + &word[1..] }).collect()
+}
+
+/// Returns a value as the text that the library reads: `null` is `off`, and `{ rays, radius }` is joined by a colon.
+fn text(value: &JsValue, setting: &Setting) -> Result<String, String> {
+    let plain = |value: &JsValue| {
+        let number = value.as_f64().map(|number| number.to_string());
+        number.or_else(|| value.as_string()).or_else(|| value.as_bool().map(|flag| flag.to_string()))
+    };
+    if value.is_null() {
+        return Ok("off".into());
+    }
+    if let Some(text) = plain(value) {
+        return Ok(text);
+    }
+    let fields = match setting.name {
+        "ambient_occlusion" => ["rays", "radius"],
+        "adaptive" => ["tolerance", "levels"],
+        "shadow_buffer" => ["rows", "rule"],
+        _ => return Err(format!("it must be like {}", setting.form)),
+    };
+    let object: &Object = value.dyn_ref().ok_or_else(|| format!("it must have {}", fields.join(" and ")))?;
+    let mut keys = Object::keys(object).into_iter().filter_map(|key| key.as_string());
+    if let Some(key) = keys.find(|key| !fields.contains(&&**key)) {
+        return Err(format!("unknown field '{key}'; the fields are {}", fields.join(", ")));
+    }
+    let field = |name: &str| {
+        let value = Reflect::get(object, &name.into()).ok().and_then(|value| plain(&value));
+        value.ok_or_else(|| format!("it must have {name}"))
+    };
+    Ok(format!("{}:{}", field(fields[0])?, field(fields[1])?))
 }
 
 fn of_type<T: JsCast>(value: JsValue, fault: &str) -> Result<Option<T>, JsValue> {

@@ -1,7 +1,8 @@
 //! Rendered pairs.
 
+use js_sys::{Float32Array, Uint8Array, Uint32Array};
 use serde::Serialize;
-use stereotrace::{Statistics, StereoPair, View, metrics, output::Anaglyph};
+use stereotrace::{Statistics, StereoPair, Values, View, metrics, output::Anaglyph};
 use wasm_bindgen::prelude::*;
 use web_sys::ImageData;
 
@@ -67,27 +68,24 @@ impl Pair {
         self.0.shadow_picture().map_or(Ok(JsValue::UNDEFINED), |picture| Ok(image(&picture)?.into()))
     }
 
-    /// Returns the depths of an eye's pixels along the view direction in world units, by rows from the top; `Infinity`
-    /// for sky.
-    pub fn depth(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<f32>, JsValue> {
-        Ok(self.eye(eye)?.depth.clone())
-    }
-
-    /// Returns the disparities `x_left - x_right` of an eye's pixels, in pixels, by rows from the top. They are
-    /// positive before the screen. The list is empty for toed-in eyes.
-    pub fn disparity(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<f32>, JsValue> {
+    /// Returns the values of an output of an eye, by rows from the top. Ids are 4294967295 for sky.
+    #[wasm_bindgen(unchecked_return_type = "Float32Array | Uint32Array | Uint8Array")]
+    pub fn channel(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str,
+        #[wasm_bindgen(unchecked_param_type = "ChannelName")] name: &str,
+    ) -> Result<JsValue, JsValue> {
         self.eye(eye)?;
-        Ok(if eye == "left" { self.0.disparity() } else { self.0.right_disparity() })
-    }
-
-    /// Returns the primitive ids of an eye's pixels, by rows from the top; 4294967295 for sky.
-    pub fn primitives(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<u32>, JsValue> {
-        Ok(self.eye(eye)?.primitive.clone())
-    }
-
-    /// Returns the object ids of an eye's pixels, by rows from the top; 4294967295 for sky.
-    pub fn objects(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<u32>, JsValue> {
-        Ok(self.eye(eye)?.object.clone())
+        let channels = if eye == "left" { self.0.left_channels(None) } else { self.0.right_channels(None) };
+        Ok(match channels.get(named(name)?).map_err(raised)? {
+            Values::Color(colors) => Uint8Array::from(colors.as_flattened()).into(),
+            Values::Linear(colors) => Float32Array::from(colors.as_flattened()).into(),
+            Values::Floats(values) => Float32Array::from(&*values).into(),
+            Values::Vectors(vectors) => Float32Array::from(vectors.as_flattened()).into(),
+            Values::Ids(values) | Values::Counts(values) => Uint32Array::from(values).into(),
+            Values::Codes(codes) => Uint8Array::from(&*codes).into(),
+            _ => return Err(refused(&format!("{name}: it has no array"))),
+        })
     }
 
     /// Cost of the pair.

@@ -436,6 +436,11 @@ await test("wrong values are refused by name", async () => {
         const both = await Promise.all([render(scene, camera), render(scene, camera, { method: "naive" })]);
         return [...found, both.map((pair) => pair.width).join()];
     });
+    const names = await page.evaluate(async () => (await import("../pkg/index.js")).options());
+    const types = await readFile(path.join(site, "pkg", "stereotrace_web.d.ts"), "utf8");
+    const [, fields] = types.match(/interface RenderOptions \{(.*?)\n\}/s);
+    const typed = [...fields.matchAll(/^    (\w+)\?:/gm)].map(([, name]) => name);
+    assert.deepEqual(typed.sort(), [...names, "signal", "onProgress"].sort());
     figures.refused = messages;
     const expected = [/camera\.eye/, /fof/, /200/, /ambientOcclusion: unknown field 'reach'/, /lights\[0\]: unknown field 'raduis'/, /magic/, /10 per pixel/, /signal/, /^AbortError/, /a\.obj.*Uint8Array/, /positions.*Float32Array/, /3 vertices/, /nothing to look at/, /^64,64$/];
     messages.forEach((message, index) => assert.match(message, expected[index]));

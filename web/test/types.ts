@@ -8,8 +8,8 @@ const pair: Pair = await render(scene, camera, options);
 const own: Pair = await render(scene);
 const statistics: Statistics = pair.statistics;
 const difference: Difference = pair.difference(own);
-const shown: [number, string, ImageData, Float32Array] =
-    [difference.psnr + statistics.retracedShare, methods()[0], pair.anaglyph("grey"), pair.depth("left")];
+const shown: [number, string, ImageData, ArrayLike<number>] =
+    [difference.psnr + statistics.retracedShare, methods()[0], pair.anaglyph("grey"), pair.channel("left", "depth")];
 const quilt: ImageData = (await new Renderer().views(scene, camera, 48)).quilt(8, 6);
 scene.addMesh({ positions: new Float32Array(9), material: scene.addMaterial({ albedo: [1, 0, 0], finish: "mirror" }) });
 console.log(shown, quilt);
@@ -19,7 +19,7 @@ const flat: Camera = { eye: [0, 1], target: [0, 0, 0] };
 // @ts-expect-error: an unknown field
 const odd: RenderOptions = { sample: 4 };
 // @ts-expect-error: an unknown eye
-pair.depth("middle");
+pair.channel("middle", "depth");
 // @ts-expect-error: arrays of numbers are no typed arrays
 scene.addMesh({ positions: [0, 0, 0] });
 console.log(flat, odd);

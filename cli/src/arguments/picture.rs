@@ -1,11 +1,9 @@
-//! Defines the options of rendering: size, method, samples, light transport and tone.
+//! Defines the options of rendering: the picture's size, and the options that the library names.
 
-use clap::Args;
-use stereotrace::{
-    Adaptive, AmbientOcclusion, Filter, Finish, MAX_BOUNCES, Method, Options, Scene, ShadowBuffer, Tone, Visibility,
-};
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use stereotrace::{AmbientOcclusion, Error, Finish, Options, Scene, Setting};
 
-use super::values::{OcclusionArgument, adaptive, occlusion, shadow_buffer, size, tone};
+use super::values::{OcclusionArgument, occlusion, size};
 use crate::studio;
 
 /// Default size of an eye's picture: width and height in pixels.
@@ -17,74 +15,87 @@ pub(crate) struct PictureArguments {
     /// Size of one eye's picture in pixels [default: 1280x720, or the size in the --calib file]
     #[arg(long = "size", value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub(super) size_said: Option<[u32; 2]>,
-    /// Method that renders the second eye: auto (the cheaper of bracket and naive), naive, bracket or another method
-    ///
-    /// auto predicts the cheaper method; naive traces both eyes; bracket reuses the left eye's shadows and shows the
-    /// same surfaces as naive. Other methods are ideal, atomic, buffer, buffer-2e, buffer-N (N slots per pixel),
-    /// es-isler, adelson-hodges, atomic-edges, buffer-edges, verified and bracket-rays.
-    #[arg(long, default_value_t)]
-    pub(crate) method: Method,
-    /// Samples per pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64 [default: 4 for a file without --plain or
-    /// --cameras, else 1]
-    #[arg(long, value_name = "N")]
-    pub(crate) samples: Option<u32>,
-    /// Adaptive antialiasing in place of --samples: divide a pixel if samples in its corners differ by more than TOL
-    /// of 255. LEVELS is 2 to 5 [default levels: 4]
-    #[arg(
-        long,
-        value_name = "TOL[:LEVELS]",
-        value_parser = adaptive,
-        conflicts_with = "samples",
-        allow_hyphen_values = true
-    )]
-    pub(crate) adaptive: Option<Adaptive>,
-    /// Reconstruction filter that weights the samples of a pixel: box, tent or gauss
-    #[arg(long, value_name = "KIND", default_value_t)]
-    filter: Filter,
-    /// Jitter the sample grid, so that near-vertical edges get more levels: true or false
-    #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set)]
-    jitter: bool,
-    /// Maximum number of reflections and refractions along a ray: 0 to 8
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 5,
-        value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_BOUNCES))
-    )]
-    bounces: u32,
-    /// Exposure in stops, -64 to 64: each stop doubles the brightness
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true)]
-    exposure: f32,
-    /// Tone mapping: clamp values above 1, or filmic, a curve for all values
-    #[arg(long, value_name = "clamp|filmic", default_value = "clamp", value_parser = tone)]
-    tone: Tone,
-    /// Seed of the random numbers for soft light, jitter and random cameras. Equal seeds give equal pictures
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u32,
-    /// Shadow rays per sample to each light that is not a point, 1 to 32 [default: 16; 4 for a file without --plain,
-    /// --cameras, --samples or --adaptive]
-    #[arg(long, value_name = "N")]
-    shadow_rays: Option<u32>,
-    /// Ambient occlusion by N rays per sample, 1 to 32, with occluders up to RADIUS world units away [default radius:
-    /// 0.1 of the scene's diagonal, or 0.3 for a file without --plain or --cameras]
-    #[arg(long, value_name = "N[:RADIUS]", value_parser = occlusion)]
-    pub(crate) occlusion: Option<OcclusionArgument>,
-    /// Light surfaces by the sky (image-based lighting) in place of ambient light, by N rays per sample, 1 to 32.
-    /// Occluders block the sky's light
-    #[arg(long, value_name = "N", conflicts_with = "occlusion")]
-    pub(crate) sky_light: Option<u32>,
-    /// Algorithm that finds the closest hits of traced views: rays, or t-buffer, which draws each primitive over the
-    /// pixels that it may cover
-    #[arg(long, value_name = "KIND", default_value_t)]
-    visibility: Visibility,
-    /// Use shadow buffers in place of shadow rays: tables of ROWS rows of directions around each point light. The rule
-    /// compares objects, compares depths with a BIAS, or traces rays where the buffer is uncertain (hybrid, the
-    /// default). BIAS and MARGIN are in texel widths
-    #[arg(long, value_name = "ROWS[:object|depth[=BIAS]|hybrid[=MARGIN]]", value_parser = shadow_buffer)]
-    shadow_buffer: Option<ShadowBuffer>,
-    /// Count BVH nodes and primitive tests (slower)
-    #[arg(long)]
-    count: bool,
+    #[command(flatten)]
+    options: OptionArguments,
+}
+
+/// Options of the library by name, as the command line gives them.
+#[derive(Clone, Debug, Default)]
+struct OptionArguments {
+    given: Vec<(&'static str, String)>,
+    occlusion: Option<OcclusionArgument>,
+}
+
+/// Name of the option that the command gives a default radius.
+const OCCLUSION: &str = "ambient_occlusion";
+
+impl Args for OptionArguments {
+    fn augment_args(command: Command) -> Command {
+        command.args(Setting::ALL.iter().map(argument))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for OptionArguments {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let names = Setting::ALL.iter().map(|setting| setting.name).filter(|name| *name != OCCLUSION);
+        let given = names.filter_map(|name| Some((name, matches.get_one::<String>(name)?.clone())));
+        Ok(Self { given: given.collect(), occlusion: matches.get_one(OCCLUSION).copied() })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// Returns the argument of an option.
+fn argument(setting: &'static Setting) -> Arg {
+    let name = setting.name;
+    let default = Options::default().get(name).unwrap_or_default();
+    let shown = match name {
+        "samples" => "4 for a file without --plain or --cameras, else 1".to_owned(),
+        "shadow_rays" => format!("{default}; 4 for a file without --plain, --cameras, --samples or --adaptive"),
+        OCCLUSION => {
+            "off; a radius of 0.1 of the scene's diagonal, or 0.3 for a file without --plain or --cameras".into()
+        }
+        _ => default.clone(),
+    };
+    let (short, long) = setting.about.split_once("\n\n").unwrap_or((setting.about, ""));
+    let short = if ["off", "false"].contains(&shown.as_str()) {
+        short.to_owned()
+    } else {
+        format!("{short} [default: {shown}]")
+    };
+    let mut argument = Arg::new(name).long(name.replace('_', "-")).help(short.clone()).help_heading("Picture");
+    if !long.is_empty() {
+        argument = argument.long_help(format!("{short}\n\n{long}"));
+    }
+    if default == "false" {
+        let argument = argument.value_name("BOOL").num_args(0..=1).require_equals(true).default_missing_value("true");
+        return argument.value_parser(move |text: &str| checked(name, text));
+    }
+    argument = argument.value_name(setting.form.trim_end_matches("|off")).allow_hyphen_values(true);
+    match name {
+        "adaptive" => argument.conflicts_with("samples").value_parser(move |text: &str| checked(name, text)),
+        "sky_rays" => argument.alias("sky-light").value_parser(move |text: &str| checked(name, text)),
+        OCCLUSION => {
+            argument.value_name("N[:RADIUS]").alias("occlusion").conflicts_with("sky_rays").value_parser(occlusion)
+        }
+        _ => argument.value_parser(move |text: &str| checked(name, text)),
+    }
+}
+
+/// Checks an option's value.
+fn checked(name: &str, text: &str) -> Result<String, String> {
+    let options = Options::default().set(name, text).and_then(|options| options.check());
+    options.map(|()| text.to_owned()).map_err(|error| match error {
+        Error::Options { reason, .. } | Error::Samples { reason, .. } => reason,
+        other => other.to_string(),
+    })
 }
 
 impl PictureArguments {
@@ -93,34 +104,43 @@ impl PictureArguments {
         self.size_said.unwrap_or(SIZE)
     }
 
+    /// Returns whether the command line gives an option.
+    fn gives(&self, name: &str) -> bool {
+        self.options.given.iter().any(|(given, _)| *given == name)
+    }
+
     /// Returns the arguments with the defaults of the automatic look of a file: antialiasing, and ambient occlusion
     /// unless lights or the sky light are given. Options on the command line keep their values.
     pub(crate) fn flattered(&self, lights_are_said: bool, scene: &Scene) -> Self {
         let mut settled = self.clone();
-        if self.samples.is_none() && self.adaptive.is_none() {
-            settled.shadow_rays.get_or_insert(studio::RAYS);
-            settled.samples = Some(studio::SAMPLES);
+        if !self.gives("samples") && !self.gives("adaptive") {
+            if !self.gives("shadow_rays") {
+                settled.options.given.push(("shadow_rays", studio::RAYS.to_string()));
+            }
+            settled.options.given.push(("samples", studio::SAMPLES.to_string()));
         }
         // Ambient occlusion treats glass as opaque, so objects in a glass case would be black.
         let has_glass = scene.materials().iter().any(|material| matches!(material.finish, Finish::Glass { .. }));
-        if !lights_are_said && !has_glass && self.occlusion.is_none() && self.sky_light.is_none() {
-            settled.occlusion = Some(OcclusionArgument(settled.shadow_rays.unwrap_or(16), None));
+        if !lights_are_said && !has_glass && self.options.occlusion.is_none() && !self.gives("sky_rays") {
+            let rays = settled.said().map_or(Options::default().shadow_rays, |options| options.shadow_rays);
+            settled.options.occlusion = Some(OcclusionArgument(rays, None));
         }
         settled
     }
 
+    /// Returns the options that the command line gives, with the library's defaults elsewhere.
+    fn said(&self) -> Result<Options, Error> {
+        self.options.given.iter().try_fold(Options::default(), |options, (name, value)| options.set(name, value))
+    }
+
     /// Returns the render options for a scene. `reach` is the default radius of ambient occlusion, as a share of the
     /// scene's diagonal.
-    pub(crate) fn options(&self, scene: &Scene, reach: f32) -> Options {
+    pub(crate) fn options(&self, scene: &Scene, reach: f32) -> Result<Options, Error> {
         let diagonal = scene.bounds().map(|(low, high)| low.distance(high) as f32).filter(|diagonal| *diagonal > 0.0);
-        let occlusion = self.occlusion.and_then(|OcclusionArgument(rays, radius)| {
+        let occlusion = self.options.occlusion.and_then(|OcclusionArgument(rays, radius)| {
             let radius = radius.or(diagonal.map(|diagonal| reach * diagonal))?;
             Some(AmbientOcclusion::new(rays, radius))
         });
-        let options = Options::new(self.method).visibility(self.visibility).seed(self.seed).count(self.count);
-        let options = options.samples(self.samples.unwrap_or(1)).filter(self.filter).jitter(self.jitter);
-        let options = options.adaptive(self.adaptive).bounces(self.bounces);
-        let options = options.shadow_rays(self.shadow_rays.unwrap_or(16)).occlusion(occlusion).sky_rays(self.sky_light);
-        options.exposure(self.exposure).tone(self.tone).shadow_buffer(self.shadow_buffer)
+        Ok(self.said()?.ambient_occlusion(occlusion))
     }
 }

@@ -37,7 +37,7 @@ const EXAMPLES: [(&str, &[&str]); 7] = [
             "stereotrace render                              the built-in hall, into out/",
             "stereotrace render bunny.obj --out bunny.png    an anaglyph of your model",
             "stereotrace render room.glb --camera Desk --samples 16 --packing side-by-side --out room.jpg",
-            "stereotrace render room.obj --sky studio.hdr --sky-light 16 --out room.png",
+            "stereotrace render room.obj --sky studio.hdr --sky-rays 16 --out room.png",
         ],
     ),
     (

@@ -106,7 +106,7 @@ impl Subject {
             true => (self.picture.flattered(self.light.are_said(), &scene), studio::REACH),
             false => (self.picture.clone(), REACH),
         };
-        let options = picture.options(&scene, reach);
+        let options = picture.options(&scene, reach)?;
         let read = begin.elapsed();
 
         let gpu = global.gpu()?;

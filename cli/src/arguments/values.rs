@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use stereotrace::{
-    Adaptive, Light, MissingTextures, Origin, OutsideFiles, ShadowBuffer, ShadowRule, Tone,
+    Light, MissingTextures, Origin, OutsideFiles,
     camera::Display,
     glam::{DVec3, Vec3},
 };
@@ -94,42 +94,6 @@ pub(crate) fn occlusion(text: &str) -> Result<OcclusionArgument, String> {
     let (rays, radius) = text.split_once(':').map_or((text, None), |(rays, radius)| (rays, Some(radius)));
     let rays = rays.parse().map_err(|_| "it must be a number of rays like 16, or with a radius like 16:0.5")?;
     Ok(OcclusionArgument(rays, radius.map(above_zero).transpose()?))
-}
-
-/// Default number of adaptive levels; 4 levels give up to 9 samples along a pixel's side.
-const LEVELS: u32 = 4;
-
-pub(crate) fn adaptive(text: &str) -> Result<Adaptive, String> {
-    let (tolerance, levels) =
-        text.split_once(':').map_or((text, None), |(tolerance, levels)| (tolerance, Some(levels)));
-    let levels = levels.map_or(Ok(LEVELS), str::parse);
-    let (Ok(tolerance), Ok(levels)) = (tolerance.parse(), levels) else {
-        return Err("it must be a tolerance like 8, or with a number of levels like 8:3".into());
-    };
-    Ok(Adaptive::new(levels, tolerance))
-}
-
-pub(crate) fn shadow_buffer(text: &str) -> Result<ShadowBuffer, String> {
-    let (rows, rule) = text.split_once(':').unwrap_or((text, "hybrid"));
-    let rows = rows.parse().map_err(|_| "it must be a number of rows like 400, or with a rule like 400:object")?;
-    let (name, setting) = rule.split_once('=').map_or((rule, None), |(name, setting)| (name, Some(setting)));
-    let setting =
-        setting.map(|setting| setting.parse().map_err(|_| format!("{setting}: a rule's setting must be a number")));
-    let rule = match (name, setting.transpose()?) {
-        ("object", None) => ShadowRule::Object,
-        ("depth", bias) => bias.map_or(ShadowRule::DEPTH, |bias| ShadowRule::Depth { bias }),
-        ("hybrid", margin) => margin.map_or(ShadowRule::HYBRID, |margin| ShadowRule::Hybrid { margin }),
-        _ => return Err("its rule must be object, depth or depth=BIAS, hybrid or hybrid=MARGIN".into()),
-    };
-    Ok(ShadowBuffer::new(rows).rule(rule))
-}
-
-pub(crate) fn tone(text: &str) -> Result<Tone, String> {
-    match text {
-        "clamp" => Ok(Tone::Clamp),
-        "filmic" => Ok(Tone::Filmic),
-        _ => Err("it must be clamp or filmic".into()),
-    }
 }
 
 pub(crate) fn missing_textures(text: &str) -> Result<MissingTextures, String> {

@@ -9,30 +9,14 @@ use std::{
 };
 
 use clap::{CommandFactory, parser::ValueSource};
-use stereotrace::{Light, LightShape, Scene, StereoPair, message, output::Batch};
+use stereotrace::{Light, LightShape, Options, Scene, Setting, StereoPair, message, output::Batch};
 
 use super::settings::{Mode, Settings};
 use crate::arguments::Cli;
 
 /// Arguments that the printed command line replaces, or that do not affect the picture.
-const REPLACED: [&str; 16] = [
-    "size_said",
-    "method",
-    "samples",
-    "adaptive",
-    "shadow_rays",
-    "occlusion",
-    "anaglyph",
-    "packing",
-    "swap",
-    "out",
-    "frames",
-    "screenshot",
-    "replay",
-    "no_text",
-    "quiet",
-    "json",
-];
+const REPLACED: [&str; 11] =
+    ["size_said", "anaglyph", "packing", "swap", "out", "frames", "screenshot", "replay", "no_text", "quiet", "json"];
 /// Arguments that are also replaced if the camera was moved.
 const CAMERA: [&str; 10] =
     ["eye", "target", "up", "fov", "screen", "interaxial", "interaxial_px", "comfort", "calib", "calib_scale"];
@@ -84,7 +68,12 @@ impl Origin {
         let mut words = ["stereotrace", "render"].map(OsString::from).to_vec();
         for Given { id, option, values } in &self.given {
             let id = &id.as_str();
-            if REPLACED.contains(id) || moved && CAMERA.contains(id) || lights.is_some() && LIGHT.contains(id) {
+            let is_option = Setting::ALL.iter().any(|setting| setting.name == *id);
+            if is_option
+                || REPLACED.contains(id)
+                || moved && CAMERA.contains(id)
+                || lights.is_some() && LIGHT.contains(id)
+            {
                 continue;
             }
             match option {
@@ -99,7 +88,10 @@ impl Origin {
                 }
             }
         }
-        let mut say = |option: &str, value: String| words.extend([option.into(), value.into()]);
+        let mut say = |option: &str, value: String| {
+            words.push(option.into());
+            words.extend((value != "true").then(|| value.into()));
+        };
         let [width, height] = settings.size();
         say("--size", format!("{width}x{height}"));
         if moved {
@@ -111,15 +103,16 @@ impl Origin {
             say("--screen", place.screen_distance().to_string());
             say("--interaxial", place.interaxial().to_string());
         }
-        let options = &settings.options;
-        say("--method", options.method.to_string());
-        match options.adaptive {
-            Some(adaptive) => say("--adaptive", format!("{}:{}", adaptive.tolerance, adaptive.levels)),
-            None => say("--samples", options.samples.to_string()),
-        }
-        say("--shadow-rays", options.shadow_rays.to_string());
-        if let Some(occlusion) = options.occlusion {
-            say("--occlusion", format!("{}:{}", occlusion.rays, occlusion.radius));
+        // The automatic look of a file replaces two defaults, so these are always named.
+        let always = |name: &str| {
+            ["method", "shadow_rays"].contains(&name) || name == "samples" && settings.options.adaptive.is_none()
+        };
+        for Setting { name, .. } in Setting::ALL {
+            let value = |options: &Options| options.get(name).unwrap_or_default();
+            let (value, default) = (value(&settings.options), value(&Options::default()));
+            if value != default || always(name) {
+                say(&format!("--{}", name.replace('_', "-")), value);
+            }
         }
         lights.into_iter().flatten().for_each(|(option, value)| say(option, value));
         match settings.mode.packing() {
@@ -317,7 +310,7 @@ mod tests {
         for more in [
             &[][..],
             &["--lights", "2", "--light-radius", "0.2", "--plain"],
-            &["--light", "3,4,5", "--sky-light", "4"],
+            &["--light", "3,4,5", "--sky-rays", "4"],
             &["--cameras", cameras, "--camera", "one"],
         ] {
             is_made_again(&[&[scene], &size[..], more].concat(), moved);

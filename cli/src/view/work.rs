@@ -285,7 +285,7 @@ fn draft_options(options: &Options, soft: bool) -> Options {
     if soft {
         draft.shadow_rays = few(draft.shadow_rays);
     }
-    if let Some(occlusion) = &mut draft.occlusion {
+    if let Some(occlusion) = &mut draft.ambient_occlusion {
         occlusion.rays = few(occlusion.rays);
     }
     draft.sky_rays = draft.sky_rays.map(few);

@@ -227,7 +227,7 @@ mod tests {
         let occlusion = name.ends_with("occluded").then(|| AmbientOcclusion::new(5, 1.0));
         let sky_rays = name.ends_with("sun").then_some(5);
         let options = |method| {
-            let options = Options::new(method).linear(true).occlusion(occlusion).sky_rays(sky_rays);
+            let options = Options::new(method).linear(true).ambient_occlusion(occlusion).sky_rays(sky_rays);
             Options { cost_map: costs, ..options }
         };
         let uploaded = renderer.upload(scene).wait().unwrap();

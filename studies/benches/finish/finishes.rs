@@ -49,11 +49,11 @@ pub(crate) fn finishes(bench: &BenchScene) -> Result<Vec<Finished>, Error> {
         of("points, 4 samples", points, plain.clone().samples(4)),
         of("points, 9 samples", points, plain.clone().samples(9)),
         of("balls, 16 rays", &soft, plain.clone()),
-        of("points, occlusion", points, plain.clone().occlusion(occlusion)),
+        of("points, occlusion", points, plain.clone().ambient_occlusion(occlusion)),
         of("points, sky's light", &sky, plain.clone().sky_rays(16)),
         of("points, mirror ball", &mirror, plain.clone()),
         of("points, glass ball", &glass, plain.clone()),
-        of("balls, occlusion, mirror", &all, plain.occlusion(occlusion)),
+        of("balls, occlusion, mirror", &all, plain.ambient_occlusion(occlusion)),
     ])
 }
 

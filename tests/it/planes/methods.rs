@@ -105,7 +105,7 @@ fn bracket_is_naive_to_the_last_bit_where_all_shadow_rays_are_traced() {
         let exact = is_exact(&renderer);
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let mut render = |method| {
-            let options = Options::new(method).linear(true).occlusion(Some(AmbientOcclusion::new(8, 2.0)));
+            let options = Options::new(method).linear(true).ambient_occlusion(Some(AmbientOcclusion::new(8, 2.0)));
             renderer.pair(&uploaded, &camera).options(&options.shadow_rays(8)).read().wait().unwrap()
         };
         let (naive, rays) = (render(Method::Naive), render(Method::BRACKET_RAYS));

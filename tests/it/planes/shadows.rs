@@ -153,7 +153,7 @@ fn soft_light_and_ambient_light_reach_an_open_ground_whole() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).wait().unwrap();
     for method in [Method::Naive, Method::BRACKET, Method::ATOMIC] {
-        let options = Options::new(method).linear(true).occlusion(Some(AmbientOcclusion::new(16, 1e4)));
+        let options = Options::new(method).linear(true).ambient_occlusion(Some(AmbientOcclusion::new(16, 1e4)));
         let pair =
             renderer.pair(&uploaded, &case.camera().interaxial_pixels(3.0)).options(&options).read().wait().unwrap();
         for (color, depth) in pair.right.linear.iter().zip(&pair.right.depth).filter(|(_, depth)| depth.is_finite()) {

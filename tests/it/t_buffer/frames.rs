@@ -41,7 +41,7 @@ fn soft_light_mirrors_planes_and_cut_outs_together_are_those_of_rays() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&everything()).wait().unwrap();
     for method in [Method::Naive, Method::ATOMIC, Method::BRACKET, Method::BRACKET_RAYS, Method::Auto] {
-        let options = Options::new(method).linear(true).shadow_rays(8).occlusion(AmbientOcclusion::new(8, 2.0));
+        let options = Options::new(method).linear(true).shadow_rays(8).ambient_occlusion(AmbientOcclusion::new(8, 2.0));
         pair("everything", &mut renderer, &uploaded, &camera(), &options);
     }
     let mut under_a_sky = everything();
