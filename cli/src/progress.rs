@@ -14,7 +14,7 @@ use crate::arguments::Global;
 const PATIENCE: Duration = Duration::from_millis(500);
 /// Interval between plain lines.
 const INTERVAL: Duration = Duration::from_secs(10);
-/// Share of finished work from which the remaining time is shown, since compiling kernels distorts earlier estimates.
+/// Share of the work between the first report and the first estimate of the remaining time.
 const TELLING: f64 = 0.05;
 /// Number of steps of the bar.
 const STEPS: u64 = 10_000;
@@ -24,6 +24,8 @@ pub(crate) struct Progress {
     /// Whether to write plain lines in place of a bar.
     plain: bool,
     begin: Instant,
+    /// Time and share of finished work at the first report. Kernels are compiled before it.
+    first: Option<(Instant, f64)>,
     last: Instant,
     /// Total number of pictures, and number of finished pictures.
     pictures: (u32, u32),
@@ -34,8 +36,15 @@ impl Progress {
     pub(crate) fn new(global: &Global, pictures: u32) -> Self {
         let on_terminal = io::stderr().is_terminal();
         let begin = Instant::now();
-        Self { bar: None, plain: !on_terminal && !global.quiet, begin, last: begin, pictures: (pictures, 0) }
-            .with_bar(on_terminal && !global.quiet)
+        Self {
+            bar: None,
+            plain: !on_terminal && !global.quiet,
+            begin,
+            first: None,
+            last: begin,
+            pictures: (pictures, 0),
+        }
+        .with_bar(on_terminal && !global.quiet)
     }
 
     fn with_bar(mut self, wanted: bool) -> Self {
@@ -56,8 +65,9 @@ impl Progress {
             1 => progress.pass.to_owned(),
             _ => format!("picture {} of {all}", done + 1),
         };
-        if share >= TELLING {
-            let left = self.begin.elapsed().as_secs_f64() * (1.0 - share) / share;
+        let (first, before) = *self.first.get_or_insert_with(|| (Instant::now(), share));
+        if share - before >= TELLING {
+            let left = first.elapsed().as_secs_f64() * (1.0 - share) / (share - before);
             what += &format!(", about {left:.0} s left");
         }
         if let Some(bar) = self.bar.as_ref().filter(|_| self.begin.elapsed() > PATIENCE) {

@@ -59,11 +59,13 @@ impl Renderer {
         scene: &'a UploadedScene,
         camera: &'a StereoCamera,
     ) -> FrameBuilder<'a, StereoCamera> {
+        self.cache.keep(1); // an adaptive frame that was dropped left more
         FrameBuilder { renderer: self, scene, cameras: camera, options: Options::default(), progress: Box::new(go_on) }
     }
 
     /// Starts a frame of a rig's views.
     pub fn views<'a>(&'a mut self, scene: &'a UploadedScene, rig: &'a Rig) -> FrameBuilder<'a, Rig> {
+        self.cache.keep(1);
         FrameBuilder { renderer: self, scene, cameras: rig, options: Options::default(), progress: Box::new(go_on) }
     }
 }

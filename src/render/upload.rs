@@ -1,7 +1,10 @@
 //! Scenes on a device: the BVH with its primitives, and the shading table.
 
 use std::{
-    sync::{Arc, Mutex, OnceLock},
+    sync::{
+        Arc, Mutex, OnceLock,
+        atomic::{AtomicBool, Ordering},
+    },
     time::Duration,
 };
 
@@ -61,6 +64,8 @@ pub struct UploadedScene {
     shape: TreeShape,
     gpu: Gpu,
     info: UploadInfo,
+    /// Whether an update began to overwrite the texels and did not end.
+    half_written: AtomicBool,
 }
 
 /// How the BVH of a changed scene is updated; docs/TRAVERSAL.md has the costs.
@@ -108,6 +113,12 @@ impl UploadedScene {
         let close = self.large.any_close_to(eyes) || self.large.any_close_to(shadows);
         log::debug!("close to a large primitive: {close}");
         close
+    }
+
+    /// Returns texels that an update is about to overwrite.
+    fn overwritten(&self, texels: usize) -> &Arc<Texels> {
+        self.half_written.store(true, Ordering::Relaxed);
+        &self.texels[texels]
     }
 
     /// Adds the resources of the scene's tree and shading table.
@@ -215,12 +226,16 @@ impl UploadedScene {
     }
 
     /// # Errors
-    /// [`Error::ForeignScene`] if the scene is on another [`Gpu`].
+    /// [`Error::ForeignScene`] if the scene is on another [`Gpu`]; [`Error::Scene`] if its last update did not end.
     pub(crate) fn belongs_to(&self, gpu: &Gpu) -> Result<(), Error> {
-        if self.gpu.is(gpu) {
-            return Ok(());
+        if !self.gpu.is(gpu) {
+            return Err(Error::ForeignScene);
         }
-        Err(Error::ForeignScene)
+        if self.half_written.load(Ordering::Relaxed) {
+            let reason = "its last update failed or was dropped before its end; upload it again".into();
+            return Err(Error::Scene { element: "the uploaded scene".into(), reason });
+        }
+        Ok(())
     }
 }
 
@@ -250,8 +265,8 @@ impl Renderer {
     /// Updates an uploaded scene to its current state. Primitives may have moved ([`Scene::transform_object`],
     /// [`Scene::set_mesh`], [`Scene::set_sphere`], [`Scene::set_ellipsoid`], [`Scene::set_plane`]) or been added, and
     /// lighting may have changed. Device memory is reused if it is large enough. The picture equals the picture after a
-    /// new upload. If an update fails for lack of memory, or its future is dropped before the end, the scene must be
-    /// uploaded again.
+    /// new upload. After an update that failed for lack of memory, or whose future was dropped, the scene must be
+    /// uploaded again: frames and further updates refuse it.
     ///
     /// # Errors
     /// The errors of [`Renderer::upload`]; [`Error::ForeignScene`] if the scene is on another [`Gpu`]; [`Error::Scene`]
@@ -272,6 +287,7 @@ impl Renderer {
             uploaded.point_lights = point_lights(scene);
             uploaded.soft = SoftLights::of(scene);
             (uploaded.texels[1], uploaded.pictures) = (table, pictures);
+            uploaded.half_written = AtomicBool::new(false);
             (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
             return Ok(());
         }
@@ -309,7 +325,7 @@ impl Renderer {
         let fetch = fetch_that_fits(gpu, traversal.fetch, scene, &packed)?;
         let traversal = traversal.fetch(fetch);
         let texels = GeometryTexels::new(&packed, fetch);
-        let room = before.map(|before| &before.texels[0]);
+        let room = before.map(|before| before.overwritten(0));
         let geometry = self.written("geometry", room, texels.count(), texels.texels().into_iter(), fetch).await?;
         let (table, pictures) = self.bring_table(scene, fetch, before).await?;
         let bvh = || match packed.masks.is_empty() {
@@ -336,6 +352,7 @@ impl Renderer {
             soft: SoftLights::of(scene),
             large: LargePrimitives::of(scene),
             shape,
+            half_written: AtomicBool::new(false),
             gpu: gpu.clone(),
             info: UploadInfo {
                 traversal,
@@ -360,7 +377,7 @@ impl Renderer {
         let table = ShadingTable::of(scene);
         let count = table.count();
         let is_there = |before: &&UploadedScene| before.pictures.are_those_of(scene);
-        let room = before.map(|before| &before.texels[1]).filter(|room| room.has_room(count, fetch));
+        let room = before.map(|before| before.overwritten(1)).filter(|room| room.has_room(count, fetch));
         let staying = before.filter(is_there).filter(|_| room.is_some()).map(|before| &before.pictures);
         let written = if staying.is_some() { table.before_pictures() } else { count };
         let pictures = staying.cloned().unwrap_or_else(|| Pictures::of(scene));

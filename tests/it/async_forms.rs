@@ -13,8 +13,8 @@ use std::{
 
 use common::{is_exact, random_stage, renderer};
 use stereotrace::{
-    Builtin, BvhBuild, Error, Gpu, Method, Options, Ray, Renderer, StereoCamera, StereoPair, Update, blocking::Wait,
-    glam::Vec3, render_stereo,
+    Adaptive, AmbientOcclusion, Builtin, BvhBuild, Error, Gpu, Method, Options, Ray, Renderer, ShadowBuffer,
+    ShadowBufferWork, StereoCamera, StereoPair, Update, blocking::Wait, glam::Vec3, render_stereo,
 };
 
 fn camera() -> StereoCamera {
@@ -70,6 +70,21 @@ fn async_forms_give_what_the_blocking_ones_give_on_another_thread() {
     assert!(found == (pairs, traced.left, closest, any, in_one_call));
 }
 
+/// Polls a future at most this many times. Returns its value if it is ready by then.
+fn polled<T>(future: impl Future<Output = T>, most: u32) -> (Option<T>, u32) {
+    let mut future = pin!(future);
+    let mut polls = 0;
+    let value = poll_fn(|context| {
+        polls += 1;
+        match future.as_mut().poll(context) {
+            Poll::Pending if polls == most => Poll::Ready(None),
+            other => other.map(Some),
+        }
+    })
+    .wait();
+    (value, polls)
+}
+
 /// The frame takes a fifth of a second. It is rendered in slices, one per poll, so that a timeout can end it. The
 /// renderer can then render the next frame.
 #[test]
@@ -79,24 +94,52 @@ fn a_frame_that_is_dropped_between_two_polls_leaves_no_trace() {
     let uploaded = renderer.upload(&scene).wait().unwrap();
     let options = Options::new(Method::Naive).samples(4);
     let expected = timeless(renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap());
+    // Frames of other kinds are dropped in between: in several levels, with tables that are filled, and with host work.
+    let others = [
+        Options::new(Method::Naive).adaptive(Adaptive::new(3, 8.0)),
+        Options::new(Method::Naive).shadow_buffer(ShadowBuffer::new(64)),
+        Options::new(Method::ADELSON_HODGES),
+        Options::new(Method::BRACKET).shadow_rays(4).ambient_occlusion(AmbientOcclusion::new(4, 1.0)),
+    ];
+    let small = camera.size(96, 72);
+    let mut fresh = Renderer::new(renderer.gpu().clone());
+    let mut whole = |options| timeless(fresh.pair(&uploaded, &small).options(options).read().wait().unwrap());
     let mut slices = 0;
     for kept in [1, 3, u32::MAX] {
-        let frame = renderer.pair(&uploaded, &camera).options(&options).read();
-        let mut frame = pin!(frame);
-        let mut polls = 0;
-        let done = poll_fn(|context| {
-            polls += 1;
-            match frame.as_mut().poll(context) {
-                Poll::Pending if polls == kept => Poll::Ready(None),
-                other => other.map(Some),
+        for other in &others {
+            if let (Some(pair), _) = polled(renderer.pair(&uploaded, &small).options(other).read(), kept) {
+                let (mut found, mut expected) = (timeless(pair.unwrap()), whole(other));
+                // The first frame fills the tables.
+                found.statistics.shadow_buffer = ShadowBufferWork::default();
+                expected.statistics.shadow_buffer = ShadowBufferWork::default();
+                assert!(found == expected, "{other:?}");
             }
-        })
-        .wait();
-        match done {
+        }
+        let (pair, polls) = polled(renderer.pair(&uploaded, &camera).options(&options).read(), kept);
+        match pair {
             Some(pair) => assert!(timeless(pair.unwrap()) == expected),
             None => assert_eq!(polls, kept),
         }
         slices = polls;
     } // A software adapter is slow enough for several slices.
     assert!(!is_exact(&renderer) || slices > 3, "{slices}");
+}
+
+#[test]
+fn a_scene_whose_update_was_dropped_is_refused() {
+    let (mut scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(32, 24));
+    let mut renderer = renderer();
+    let mut uploaded = renderer.upload(&scene).wait().unwrap();
+    scene.ambient = Some(Vec3::splat(0.3));
+    let (done, _) = polled(renderer.update(&mut uploaded, &scene, Update::Rebuild(BvhBuild::Fast)), 1);
+    let again = renderer.pair(&uploaded, &camera).read().wait();
+    match done {
+        Some(done) => assert!(done.is_ok() && again.is_ok()),
+        None => {
+            let message = again.unwrap_err().to_string();
+            assert!(message.contains("upload it again"), "{message}");
+            let update = renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap_err().to_string();
+            assert_eq!(update, message);
+        }
+    }
 }
