@@ -15,5 +15,5 @@ adapter=any
 npm_package webgpu 0.6.2
 
 rm -rf "$root/target/wgsl" # a filter that names no test must not leave old modules to check
-cargo test --quiet --manifest-path "$root/Cargo.toml" --package stereotrace --lib kernel::tests::every_distinct_module_is_written
+cargo test --quiet --manifest-path "$root/Cargo.toml" --lib kernel::tests::every_distinct_module_is_written
 node "$root/scripts/check_wgsl.mjs" "$root/target/wgsl" "$package/index.js"

@@ -27,6 +27,7 @@ if [ $# -gt 0 ] || ! command -v flock >/dev/null; then exec cargo test --manifes
 cd "$root"
 mkdir -p target
 programs=target/test-programs
+: >target/test-skipped
 cargo test --no-run --message-format=json-render-diagnostics >"$programs.json"
 sed -n 's/.*"manifest_path":"\([^"]*\)\/Cargo.toml".*"profile":{[^}]*"test":true}.*"executable":"\([^"]*\)".*/\1\n\2/p' "$programs.json" >"$programs"
 [ -s "$programs" ] || fail 'cargo built no test program'
@@ -35,9 +36,11 @@ one='
 log=$(mktemp)
 code=0
 (cd "$1" && "$2") >"$log" 2>&1 || code=$?
-flock "$0" sh -c "printf \"\n     Running %s\n\" \"$2\"; cat \"$log\""
+flock "$0" sh -c "printf \"\n     Running %s\n\" \"$2\"; cat \"$log\"; sed -n \"/^skipped: /p\" \"$log\" >>target/test-skipped"
 rm -f "$log"
 [ $code = 0 ] || printf "error: test program %s failed, exit status %d\n" "$2" $code >&2
 exit $((code != 0))'
 xargs -d '\n' -P 2 -n 2 sh -c "$one" "$programs.json" <"$programs"
 cargo test --doc
+sort target/test-skipped | uniq -c
+echo "tests: $(wc -l <target/test-skipped) skipped"

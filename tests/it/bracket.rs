@@ -3,7 +3,8 @@
 use crate::common;
 
 use common::{
-    ball, gpu_with_limits, is_exact, random::Random, random_ellipsoid, random_foliage, random_stage, render, renderer,
+    ball, cases, gpu_with_limits, is_exact, random::Random, random_ellipsoid, random_foliage, random_stage, render,
+    renderer,
 };
 use stereotrace::{
     Boxes, Fetch, Light, MISS, Material, Mesh, Method, Options, PixelSource, Pose, RaysPerLane, Renderer, Rig, Scene,
@@ -131,7 +132,7 @@ fn at_webgpu_s_default_limits_visibility_is_naive_s_by_both_fetches() {
 fn auto_never_costs_more_than_naive_whatever_the_interaxial_and_says_what_it_chose() {
     let mut renderer = renderer();
     let mut chosen = std::collections::BTreeSet::new();
-    for (name, scene, camera) in scenes() {
+    for (name, scene, camera) in cases(scenes(), 2) {
         let uploaded = renderer.upload(&scene).wait().unwrap();
         for e_px in [2.3, 46.0] {
             let camera = camera.interaxial_pixels(e_px);

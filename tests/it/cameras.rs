@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use common::{is_exact, random::Random, render, renderer};
+use common::{cases, is_exact, random::Random, render, renderer};
 use stereotrace::{
     Adaptive, AmbientOcclusion, Builtin, Convergence, Error, FAR, Method, Occlusion, Options, PixelSource, Ray, Rig,
     ShadowBuffer, StereoCamera, StereoPair, View, Visibility,
@@ -143,7 +143,7 @@ fn rays_go_where_points_are_projected_from() {
 fn bracket_rays_are_naive_by_every_camera_and_every_kind_of_frame() {
     let mut renderer = renderer();
     let exact = is_exact(&renderer);
-    for builtin in [Builtin::Near, Builtin::ThreeSpheresTextured] {
+    for builtin in cases([Builtin::Near, Builtin::ThreeSpheresTextured], 2) {
         let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
         for (kind, camera) in kinds(builtin.camera(75, 50)) {
             let plain = Options::default().linear(true);
@@ -279,18 +279,19 @@ fn disparity_is_f_e_over_z_and_occlusions_are_what_the_other_eye_s_rays_meet() {
             let occlusions = renderer.occlusions(&uploaded, &pair).wait().unwrap();
             let (mut worst, mut wrong, mut guessed, mut hidden) = (0.0_f64, 0, 0, 0);
             let by_depths = pair.occlusion();
+            let place = |index: usize| [index % 90, index / 90].map(|at| at as f64 + 0.5);
+            let back = |(index, &z): (usize, &f32)| {
+                let eye = seen_at(pose, 1.0, place(index), 0.0);
+                let to = if z.is_finite() { seen_at(pose, -1.0, place(index), z.into()) - eye } else { DVec3::X };
+                Ray::new(eye.as_vec3(), to.as_vec3()).t_max(1.0 - 1e-3)
+            };
+            let back: Vec<Ray> = pair.left.depth.iter().enumerate().map(back).collect();
+            let blocked = renderer.any_hits(&uploaded, &back).wait().unwrap().hits;
             for (index, (&d, &z)) in pair.disparity().iter().zip(&pair.left.depth).enumerate() {
                 let exact = i.fx * f64::from(pose.interaxial) / f64::from(z) - i.doffs();
                 worst = worst.max((f64::from(d) - exact).abs());
-                let place = [index % 90, index / 90].map(|at| at as f64 + 0.5);
-                let x = place[0] - exact;
-                let eye = seen_at(pose, 1.0, place, 0.0);
-                let blocked = z.is_finite() && {
-                    let to = seen_at(pose, -1.0, place, z.into()) - eye;
-                    let ray = Ray::new(eye.as_vec3(), to.as_vec3()).t_max(1.0 - 1e-3);
-                    renderer.any_hits(&uploaded, &[ray]).wait().unwrap().hits[0]
-                };
-                let truth = match blocked {
+                let x = place(index)[0] - exact;
+                let truth = match z.is_finite() && blocked[index] {
                     _ if !(0.0..90.0).contains(&x) => Occlusion::OutOfFrame,
                     true => Occlusion::Hidden,
                     false => Occlusion::Visible,

@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{ball, folder::Folder, gpu, random::Random, render, warnings};
+use common::{ball, folder::Folder, gpu, random::Random, render, scenes_with, warnings};
 use serde_json::Value;
 use stereotrace::{
     EyeTruth, GroundTruth, Light, MISS, Mesh, Method, Options, Origin, Renderer, Scene, SceneFile, SceneOptions,
@@ -159,11 +159,7 @@ impl Model {
 
     /// Returns Stanford's bunny, of some 0.15 units, if its file is found.
     fn bunny() -> Option<Self> {
-        let folder = std::env::var("STEREOTRACE_SCENES").unwrap_or_else(|_| "target/scenes".into());
-        let Ok(text) = std::fs::read_to_string(format!("{folder}/bunny/bunny.obj")) else {
-            println!("skipped: scene not found: bunny");
-            return None;
-        };
+        let text = std::fs::read_to_string(scenes_with("bunny/bunny.obj")?.join("bunny/bunny.obj")).unwrap();
         let mut model = Self::new("bunny", [DVec3::ZERO; 2], 0.0);
         for line in text.lines() {
             let words: Vec<&str> = line.split_whitespace().collect();

@@ -2,9 +2,7 @@
 
 use crate::common;
 
-use std::{io::Write, path::PathBuf};
-
-use common::{is_exact, renderer};
+use common::{compares_bits, is_exact, renderer, scenes_with};
 use obvhs::{
     BvhBuildParams,
     aabb::Aabb,
@@ -19,22 +17,6 @@ use stereotrace::{
     metrics::compare,
     testing::cpu::{Eye, Frame, intersect::intersect_triangle},
 };
-
-/// Returns the folder of unpacked scenes if this one is in it, or prints how to get it.
-fn find(name: &str) -> Option<PathBuf> {
-    let fallback = || concat!(env!("CARGO_MANIFEST_DIR"), "/target/scenes").into();
-    let folder: PathBuf = std::env::var_os("STEREOTRACE_SCENES").map_or_else(fallback, PathBuf::from);
-    if folder.join(name).join(format!("{name}.obj")).is_file() {
-        return Some(folder);
-    }
-    // The test harness would hide output of println.
-    let folder = folder.display();
-    let _ = writeln!(
-        std::io::stderr(),
-        "skipped: scene not found, run with {name}/{name}.obj and cameras.json under {folder}"
-    );
-    None
-}
 
 /// obvhs's tree and traversal, with the library's triangle test as its closure. Its box test has no margin, so it
 /// sometimes loses a hit at the very edge of a box.
@@ -69,15 +51,14 @@ impl<'a> Theirs<'a> {
 }
 
 fn check(name: &str, triangles: usize) {
-    let Some(folder) = find(name) else { return };
+    let Some(folder) = scenes_with(&format!("{name}/{name}.obj")) else { return };
     let scene = Scene::from_obj(folder.join(name).join(format!("{name}.obj"))).unwrap();
     assert_eq!(scene.primitive_count(), triangles);
     let camera = StereoCamera::from_json(folder.join("cameras.json"), name, 201, 151).unwrap();
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).wait().unwrap();
     let pair = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
-    if !is_exact(&renderer) {
-        println!("skipped: bit-exact comparison on an adapter that may contract f32");
+    if !compares_bits(&renderer) {
         return;
     }
 
@@ -178,7 +159,7 @@ type IsColor = fn([i32; 3]) -> bool;
 /// Checks the colours of a textured mesh from the file's camera under five lights, and that `bracket` shows the same
 /// colours. All of the cow's pixels and 99.94% of Sponza's pixels are identical.
 fn check_textured(name: &str, colors: &[(&str, IsColor)], least_identical: f64) {
-    let Some(folder) = find(name) else { return };
+    let Some(folder) = scenes_with(&format!("{name}/{name}.obj")) else { return };
     let options = SceneOptions::default().crease_angle(Some(30.0));
     let mut scene = Scene::from_obj_with(folder.join(name).join(format!("{name}.obj")), &options).unwrap();
     let camera = StereoCamera::from_json(folder.join("cameras.json"), name, 200, 150).unwrap();

@@ -3,6 +3,7 @@
 use crate::common;
 
 use common::{
+    cases,
     floor::{errors, floor, light_on_floor, naive},
     is_exact, renderer,
 };
@@ -193,7 +194,7 @@ fn share_off(view: &View, truth: &[[f64; 3]], most: f64) -> f64 {
 #[test]
 fn shared_penumbrae_are_no_farther_from_the_limit_than_naives_noise() {
     let mut renderer = renderer();
-    for (builtin, radius) in [(Builtin::Hall, 0.25), (Builtin::Near, 0.1)] {
+    for (builtin, radius) in cases([(Builtin::Hall, 0.25), (Builtin::Near, 0.1)], 2) {
         let camera = builtin.camera(150, 101);
         let mut scene = builtin.scene();
         scene.lights.truncate(2);

@@ -13,6 +13,7 @@ use std::{
     io::Write,
     ops::{Deref, DerefMut},
     panic::Location,
+    path::PathBuf,
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
@@ -71,6 +72,37 @@ impl Drop for Seat {
 /// Locks a mutex. Its value stays consistent if a test fails, so poisoning is ignored.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Returns the cases of a test: all in the long form, else the first of every `every` cases.
+pub(crate) fn cases<T>(all: impl IntoIterator<Item = T>, every: usize) -> Vec<T> {
+    all.into_iter().step_by(if is_long() { 1 } else { every }).collect()
+}
+
+/// Says that a test, or a part of one, is not run. `scripts/test.sh` counts these lines.
+pub(crate) fn skipped(what: &str) {
+    // The test harness would hide output of println.
+    let _ = writeln!(std::io::stderr(), "skipped: {what}");
+}
+
+/// Returns whether the device gives the bits of the twins. Says otherwise that a comparison is skipped.
+pub(crate) fn compares_bits(renderer: &Renderer) -> bool {
+    let exact = is_exact(renderer);
+    if !exact {
+        skipped("bit-exact comparison on an adapter that may contract f32");
+    }
+    exact
+}
+
+/// Returns the folder of unpacked scenes if it has this file. Says otherwise that the scene is skipped.
+pub(crate) fn scenes_with(file: &str) -> Option<PathBuf> {
+    let fallback = || concat!(env!("CARGO_MANIFEST_DIR"), "/target/scenes").into();
+    let folder: PathBuf = std::env::var_os("STEREOTRACE_SCENES").map_or_else(fallback, PathBuf::from);
+    if folder.join(file).is_file() {
+        return Some(folder);
+    }
+    skipped(&format!("scene not found: {file} in {}", folder.display()));
+    None
 }
 
 /// Opens a device for one test alone, on the same adapter.

@@ -1,7 +1,5 @@
 //! Tests textures that an MTL names: which files are read, and the messages about unreadable ones.
 
-use std::io::Write;
-
 use image::{Rgb, RgbImage, Rgba, RgbaImage};
 use stereotrace::{
     Error, Limits, MissingTextures, Scene, SceneOptions, Texture, TextureId, TextureKind, Wrap,
@@ -9,6 +7,7 @@ use stereotrace::{
 };
 
 use super::{Folder, SIX, material};
+use crate::common::scenes_with;
 
 /// Returns an OBJ with a triangle of each material, with texture coordinates (1, 2).
 fn obj(materials: &[&str]) -> String {
@@ -221,14 +220,8 @@ fn masks_of_brightness_and_broken_pictures_have_a_limit_with_the_others() {
 
 /// Returns a scene from `STEREOTRACE_SCENES` or target/scenes, if it is there.
 fn found(name: &str) -> Option<Scene> {
-    let folder = std::env::var("STEREOTRACE_SCENES").unwrap_or_else(|_| "target/scenes".into());
-    let path = std::path::Path::new(&folder).join(name).join(format!("{name}.obj"));
-    if !path.is_file() {
-        // The test harness would hide output of println.
-        let _ = writeln!(std::io::stderr(), "skipped: scene not found, run with {}", path.display());
-        return None;
-    }
-    Some(Scene::from_obj(path).unwrap())
+    let file = format!("{name}/{name}.obj");
+    Some(Scene::from_obj(scenes_with(&file)?.join(file)).unwrap())
 }
 
 #[test]

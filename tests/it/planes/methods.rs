@@ -17,7 +17,7 @@ use stereotrace::{
 
 use super::{
     THINGS, Things, camera,
-    common::{is_exact, renderer, renderer_by},
+    common::{compares_bits, is_exact, renderer, renderer_by},
     stage, tilt,
 };
 
@@ -122,7 +122,7 @@ fn bracket_is_naive_to_the_last_bit_where_all_shadow_rays_are_traced() {
 #[test]
 fn fates_and_shadows_are_the_twins() {
     let mut renderer = renderer();
-    if !is_exact(&renderer) {
+    if !compares_bits(&renderer) {
         return;
     }
     for things in [Things::Spheres, Things::Mesh, Things::Ellipsoids] {

@@ -13,7 +13,7 @@ use stereotrace::{
 
 use super::{
     SIZE,
-    common::{random::Random, render, renderer},
+    common::{cases, random::Random, render, renderer},
     render_builtin,
 };
 
@@ -154,7 +154,7 @@ fn sends_rays(sending: &[bool], primitive: u32) -> bool {
 
 #[test]
 fn the_right_view_follows_the_map_and_the_counts_follow_both() {
-    for &builtin in Builtin::ALL {
+    for &builtin in cases(Builtin::ALL, 2) {
         let naive = render_builtin(builtin, Method::Naive);
         let mut renderer = renderer();
         let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
@@ -198,7 +198,7 @@ fn the_right_view_follows_the_map_and_the_counts_follow_both() {
 
 #[test]
 fn a_thread_a_row_sweeps_as_adelson_and_hodges_do() {
-    for &builtin in Builtin::ALL {
+    for &builtin in cases(Builtin::ALL, 2) {
         let es_isler = render_builtin(builtin, Method::ES_ISLER);
         let adelson_hodges = render_builtin(builtin, Method::ADELSON_HODGES);
         assert_eq!(es_isler.source, adelson_hodges.source, "{builtin}");
