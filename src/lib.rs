@@ -80,7 +80,7 @@
 //!   MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read and
 //!   write cameras). They build on wasm32 too, but functions that take a path return [`Error::Io`] there.
 //!
-//! Off by default: `testing` (twins of the kernels and hard scenes, for tests), `exr` (write `OpenEXR`), `serde`
+//! Off by default: `testing` (twins of the kernels, hard scenes and the choice of the traversal, for tests), `exr` (write `OpenEXR`), `serde`
 //! (serialise scenes, materials and lights), and `webgpu`, the browser backend for wasm32.
 //! A build without any backend needs a device from the caller ([`Gpu::from_device`]).
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::print_stdout))]
@@ -154,7 +154,10 @@ pub use gpu::{Adapter, Gpu};
 pub use import::input::Limits;
 #[cfg(feature = "scene-files")]
 pub use import::{MissingTextures, Origin, OutsideFiles, SceneFile, SceneOptions};
+#[cfg(any(test, feature = "testing"))]
 pub use kernel::traversal::{Boxes, Fetch, RaysPerLane, Traversal};
+#[cfg(not(any(test, feature = "testing")))]
+pub(crate) use kernel::traversal::{Boxes, RaysPerLane};
 pub use methods::auto::Choice;
 pub use render::cast::{Cast, Ray, RayHit};
 pub use render::pair::{Statistics, StereoPair};

@@ -109,8 +109,9 @@ fn what_is_done_shows_and_what_is_written_is_made_again() {
 #[test]
 #[ignore = "needs a display: scripts/check_view.sh"]
 fn a_frame_that_cant_be_rendered_ends_with_its_reason() {
-    let message = common::error_of(&["view", "builtin:hall", "--size", SIZE, "--samples", "5", "--frames", "1"]);
-    assert!(message.starts_with("invalid samples: 5"), "{message}");
+    let options = ["--adaptive", "8", "--method", "atomic", "--frames", "1"];
+    let message = common::error_of(&[&["view", "builtin:hall", "--size", SIZE], &options[..]].concat());
+    assert!(message.contains("adaptive: it does not support the method atomic"), "{message}");
 }
 
 #[test]

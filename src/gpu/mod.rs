@@ -19,5 +19,6 @@ pub(crate) use pipelines::{
 pub(crate) use staging::{Filling, Staging};
 pub use timing::PassTimes;
 pub(crate) use timing::{Timestamps, add_times};
+#[doc(hidden)] // a part of `Traversal`, which the feature `testing` makes public
 pub use transfer::Fetch;
 pub(crate) use transfer::{TEXTURE_WIDTH, Texel, Texels, check_bytes};

@@ -3,6 +3,7 @@
 pub(crate) mod layout;
 mod resource;
 mod role;
+#[cfg_attr(not(any(test, feature = "testing")), allow(unreachable_pub, dead_code, reason = "tests choose a traversal"))]
 pub(crate) mod traversal;
 pub(crate) mod variant;
 pub(crate) mod wgsl;

@@ -95,7 +95,7 @@ pub struct Cast<T> {
 impl Renderer {
     /// Returns the nearest hit of each ray within its limits; at equal t, the smallest primitive id wins. Neighbouring
     /// rays of the list are traced together, so coherent neighbours are faster. With four rays per lane
-    /// ([`RaysPerLane`]), each four consecutive rays must have one origin. Otherwise each lane traces one ray.
+    /// (docs/TRAVERSAL.md), each four consecutive rays must have one origin. Otherwise each lane traces one ray.
     ///
     /// # Errors
     /// [`Error::Ray`] for a ray without direction or with NaN limits, [`Error::ForeignScene`] for a scene on another

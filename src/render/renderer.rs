@@ -48,11 +48,16 @@ impl Renderer {
     /// Creates a renderer on a device.
     pub fn new(gpu: Gpu) -> Self {
         let traversal = Traversal::of(&gpu);
-        Self::with_traversal(gpu, traversal)
+        Self::by(gpu, traversal)
     }
 
     /// Creates a renderer with a given traversal: for measurements, or where [`Traversal::of`] chose badly.
+    #[cfg(any(test, feature = "testing"))]
     pub fn with_traversal(gpu: Gpu, traversal: Traversal) -> Self {
+        Self::by(gpu, traversal)
+    }
+
+    fn by(gpu: Gpu, traversal: Traversal) -> Self {
         Self {
             traversal,
             kernels: Kernels::default(),

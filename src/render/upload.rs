@@ -88,7 +88,7 @@ pub enum Update {
 #[non_exhaustive]
 pub struct UploadInfo {
     /// Traversal of the scene's rays. Its fetch differs from the renderer's if the scene does not fit that one.
-    pub traversal: Traversal,
+    pub(crate) traversal: Traversal,
     /// Time to build and pack the BVH.
     pub build: Duration,
     /// Time to pass the data to the driver.
@@ -105,6 +105,12 @@ impl UploadedScene {
     /// Returns the statistics of the upload.
     pub fn info(&self) -> UploadInfo {
         self.info
+    }
+
+    /// Returns the traversal of the scene's rays.
+    #[cfg(any(test, feature = "testing"))]
+    pub fn traversal(&self) -> Traversal {
+        self.info.traversal
     }
 
     /// Returns whether rays from these points, or from the lights, need a more exact t for large primitives.

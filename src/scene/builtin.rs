@@ -3,9 +3,11 @@
 
 pub(crate) mod hall;
 pub(crate) mod marble;
+#[cfg_attr(not(any(test, feature = "testing")), allow(unreachable_pub, reason = "tests make other scenes of the kind"))]
 pub(crate) mod random;
 pub(crate) mod shapes;
 pub(crate) mod spheres;
+#[cfg(any(test, feature = "testing"))]
 pub(crate) mod stacked;
 pub(crate) mod stage;
 
@@ -13,6 +15,9 @@ use std::{fmt, str::FromStr};
 
 use glam::Vec3;
 
+#[cfg(not(any(test, feature = "testing")))]
+use self::random::RandomObjects;
+#[cfg(any(test, feature = "testing"))]
 pub use self::{
     random::RandomObjects,
     spheres::spheres_turned,
@@ -58,7 +63,7 @@ pub enum Builtin {
     Near,
     /// Sheets that point at the left eye. They are edges to the left eye and surfaces to the right one.
     Grazing,
-    /// Twelve ellipsoids and eight spheres at random positions over a checkerboard ([`RandomObjects`]), after Adelson
+    /// Twelve ellipsoids and eight spheres at random positions over a checkerboard, after Adelson
     /// and Hodges 1993.
     Random20,
     /// A hundred ellipsoids over a checkerboard.

@@ -114,7 +114,7 @@ fn at_webgpu_s_default_limits_visibility_is_naive_s_by_both_fetches() {
             Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch).boxes(boxes).rays(rays));
         let exact = is_exact(&renderer);
         let uploaded = renderer.upload(&scene).wait().unwrap();
-        assert_eq!(uploaded.info().traversal.fetch, fetch, "it fits both ways");
+        assert_eq!(uploaded.traversal().fetch, fetch, "it fits both ways");
         let mut render =
             |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
         let naive = render(Method::Naive);

@@ -1,12 +1,12 @@
 //! Compares pictures with stored pictures, in addition to all tests against independent references.
 //!
-//! To renew the stored pictures, run `STEREOTRACE_RENEW_GOLDEN=1 cargo test --test golden`, and look at them.
+//! To renew the stored pictures, run `STEREOTRACE_RENEW_GOLDEN=1 cargo test --test it golden`, and look at them.
 
 use crate::common;
 
 use common::{render, renderer};
 use stereotrace::{
-    Method,
+    Adaptive, AmbientOcclusion, Filter, Light, Method, Options, Tone,
     blocking::Wait,
     output::{Anaglyph, Picture},
     scene::builtin::Builtin,
@@ -33,6 +33,12 @@ fn differing(a: &[[u8; 4]], b: &[[u8; 4]]) -> usize {
     a.iter().zip(b).filter(differs).count()
 }
 
+/// Returns the difference of two pictures, 16 times as bright.
+fn amplified(a: &[[u8; 4]], b: &[[u8; 4]]) -> Vec<[u8; 4]> {
+    let channel = |a: u8, b: u8| a.abs_diff(b).saturating_mul(16);
+    a.iter().zip(b).map(|(a, b)| [channel(a[0], b[0]), channel(a[1], b[1]), channel(a[2], b[2]), 255]).collect()
+}
+
 fn check(name: &str, picture: &Picture) {
     let path = format!("{}/tests/it/golden/{name}.png", env!("CARGO_MANIFEST_DIR"));
     if std::env::var_os("STEREOTRACE_RENEW_GOLDEN").is_some() {
@@ -44,13 +50,16 @@ fn check(name: &str, picture: &Picture) {
     let stored: Vec<[u8; 4]> = stored.pixels().map(|pixel| pixel.0).collect();
     let differing = differing(&stored, &picture.rgba8);
     if differing > allowed(stored.len()) {
-        let found = std::env::temp_dir().join(format!("stereotrace-golden-{name}.png"));
+        let file = |what: &str| std::env::temp_dir().join(format!("stereotrace-golden-{name}{what}.png"));
+        let (found, difference) = (file(""), file("-difference"));
         picture.save_png(&found).unwrap();
+        Picture::new(picture.width, picture.height, amplified(&stored, &picture.rgba8)).save_png(&difference).unwrap();
         let total = stored.len();
         panic!(
-            "{differing} of {total} pixels differ from {path}; what was rendered is in {}. If it is right, renew with \
-             STEREOTRACE_RENEW_GOLDEN=1",
-            found.display()
+            "{differing} of {total} pixels differ from {path}. The rendered picture is {}, the difference {}. If it is \
+             right, renew with STEREOTRACE_RENEW_GOLDEN=1",
+            found.display(),
+            difference.display()
         );
     }
 }
@@ -77,6 +86,36 @@ fn the_hall_s_right_view_by_the_default_method_is_as_stored() {
 fn the_spheres_right_view_is_as_stored() {
     let pair = render(&Builtin::Spheres.scene(), &Builtin::Spheres.camera(120, 90), Method::Naive);
     check("spheres_right", &pair.right.picture());
+}
+
+/// Soft light, ambient occlusion, mirrors, glass, textures and several samples per pixel, reused by the right view.
+#[test]
+fn right_views_with_every_feature_are_as_stored() {
+    let options = Options::new(Method::BRACKET).shadow_rays(8).samples(4).filter(Filter::Tent);
+    let soft = |builtin: Builtin, radius: f32| {
+        let mut scene = builtin.scene();
+        for light in &mut scene.lights {
+            *light = Light::sphere(light.position, radius, light.intensity);
+        }
+        scene
+    };
+    let sky = Options::new(Method::BRACKET).sky_rays(16).tone(Tone::Filmic).adaptive(Adaptive::new(3, 8.0));
+    for (name, scene, builtin, options) in [
+        ("finished_soft", soft(Builtin::HallFinished, 0.2), Builtin::HallFinished, &options),
+        ("textured_mirrors_sky", Builtin::ThreeSpheresTextured.scene(), Builtin::ThreeSpheresTextured, &sky),
+        (
+            "occlusion",
+            Builtin::Near.scene(),
+            Builtin::Near,
+            &options.clone().ambient_occlusion(AmbientOcclusion::new(16, 1.0)),
+        ),
+    ] {
+        let mut renderer = renderer();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let pair = renderer.pair(&uploaded, &builtin.camera(128, 72)).options(options).read().wait().unwrap();
+        drop(renderer); // `check` takes this renderer
+        check(name, &pair.right.picture());
+    }
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn renders_the_same(limits: &wgpu::Limits) {
         let [expected, found] = [&own, &theirs].map(|gpu| {
             let mut renderer = Renderer::with_traversal(gpu.clone(), traversal);
             let uploaded = renderer.upload(&scene).wait().unwrap();
-            assert_eq!(uploaded.info().traversal.fetch, fetch);
+            assert_eq!(uploaded.traversal().fetch, fetch);
             let mut render =
                 |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();
             [Method::Naive, Method::default(), Method::BRACKET].map(|method| {

@@ -236,7 +236,7 @@ mod tests {
         for rounds in [1, 29, 1024] {
             renderer.steps = in_steps_of(rounds);
             let pair = renderer.pair(&uploaded, camera).options(&options(Method::BRACKET)).read().wait().unwrap();
-            let what = format!("{name}, {:?}, {rounds} rounds a step", uploaded.info().traversal);
+            let what = format!("{name}, {:?}, {rounds} rounds a step", uploaded.traversal());
             assert!(pair.statistics.in_steps, "{what}");
             assert_counts_alike(&pair, &expected, &what);
             assert!(without_counts(shown(pair)) == without_counts(expected.clone()), "{what}");

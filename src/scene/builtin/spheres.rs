@@ -3,7 +3,9 @@
 use glam::Vec3;
 
 use super::{lamp, paint};
-use crate::{Error, Finish, Plane, Scene, Sky, Sphere, StereoCamera, Texture, random::Random};
+#[cfg(any(test, feature = "testing"))]
+use crate::Error;
+use crate::{Finish, Plane, Scene, Sky, Sphere, StereoCamera, Texture, random::Random};
 
 pub(crate) const SPHERE_COUNT: usize = 1000;
 const SPHERE_RADII: [f32; 2] = [0.12, 0.45];
@@ -18,6 +20,7 @@ pub(crate) const CLOUD_SCREEN: f32 = 2.0 * CLOUD_RADIUS;
 ///
 /// # Errors
 /// [`Error::Scene`] for an angle that is not finite.
+#[cfg(any(test, feature = "testing"))]
 pub fn spheres_turned(angle: f32) -> Result<Scene, Error> {
     if !angle.is_finite() {
         return Err(Error::Scene { element: "spheres".into(), reason: format!("turned by {angle}, no finite number") });

@@ -91,12 +91,12 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
     let whole = {
         let mut renderer = Renderer::with_traversal(own_gpu(), buffers);
         let uploaded = renderer.upload(&scene).wait().unwrap();
-        assert_eq!(uploaded.info().traversal, buffers);
+        assert_eq!(uploaded.traversal(), buffers);
         renderer.pair(&uploaded, &camera).options(&Options::new(Method::ATOMIC)).read().wait().unwrap()
     };
     let mut small = Renderer::with_traversal(limited(1 << 20, 8192), buffers);
     let uploaded = small.upload(&scene).wait().unwrap();
-    assert_eq!(uploaded.info().traversal.fetch, Fetch::Texture);
+    assert_eq!(uploaded.traversal().fetch, Fetch::Texture);
     let pair = small.pair(&uploaded, &camera).options(&Options::new(Method::ATOMIC)).read().wait().unwrap();
     assert_eq!(pair.right.primitive, whole.right.primitive);
 
@@ -113,7 +113,7 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
     // The sky takes 2 MiB.
     let mut scene = Builtin::Near.scene();
     scene.sky = stereotrace::Sky::Map(stereotrace::SkyMap::procedural(512).unwrap());
-    assert_eq!(small.upload(&scene).wait().unwrap().info().traversal.fetch, Fetch::Texture);
+    assert_eq!(small.upload(&scene).wait().unwrap().traversal().fetch, Fetch::Texture);
     let message = tiny.upload(&scene).wait().unwrap_err().to_string();
     assert!(message.starts_with("the scene's table of lights, materials, sky and textures needs 131"), "{message}");
     assert!(message.ends_with("enough for 65536; use smaller or fewer pictures"), "{message}");
