@@ -80,8 +80,8 @@
 //!   MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read and
 //!   write cameras). They build on wasm32 too, but functions that take a path return [`Error::Io`] there.
 //!
-//! Off by default: `testing` (twins of the kernels, hard scenes and the choice of the traversal, for tests), `exr` (write `OpenEXR`), `serde`
-//! (serialise scenes, materials and lights), and `webgpu`, the browser backend for wasm32.
+//! Off by default: `testing` (twins of the kernels, hard scenes and the choice of the traversal, for tests), `exr`
+//! (write `OpenEXR`), `serde` (serialise scenes, materials and lights), and `webgpu`, the browser backend for wasm32.
 //! A build without any backend needs a device from the caller ([`Gpu::from_device`]).
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::print_stdout))]
 
