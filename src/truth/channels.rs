@@ -2,9 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::{
-    Channel, Error, EyeTruth, GroundTruth, PixelSource, RigView, ShadowSource, StereoPair, View, ask::channel::Maker,
-};
+use crate::{Channel, Error, EyeTruth, GroundTruth, PixelSource, RigView, ShadowSource, StereoPair, View};
 
 /// Channels of one view: of an eye of a pair, or of a view of a rig.
 ///
@@ -80,23 +78,18 @@ impl<'a> Channels<'a> {
     /// ([`Options::channels`](crate::Options::channels)); [`Error::Sizes`] for a ground truth of another size.
     pub fn get(&self, channel: Channel) -> Result<Values<'a>, Error> {
         let values = self.values(channel)?;
-        let (found, wanted) = (values.len(), self.view.rgba8.len());
-        match found {
-            0 if wanted > 0 => Err(missing(channel, "it was not kept; name it in Options::channels")),
-            _ if found == wanted => Ok(values),
-            _ => Err(Error::Sizes {
-                sizes: format!("{found} and {wanted} pixels"),
-                reason: "the ground truth must belong to the pair",
-            }),
+        if values.len() < self.view.rgba8.len() {
+            return Err(missing(channel, "it was not kept; name it in Options::channels"));
         }
+        Ok(values)
     }
 
     fn values(&self, channel: Channel) -> Result<Values<'a>, Error> {
         let view = self.view;
-        let truth = || match (channel.maker(), self.truth) {
-            (_, Some(truth)) => Ok(truth),
-            (Maker::GroundTruth, None) if self.pair.is_none() => Err(missing(channel, "only pairs have ground truth")),
-            _ => Err(missing(channel, "it is ground truth; call Renderer::ground_truth")),
+        let truth = || match self.truth()? {
+            Some(truth) => Ok(truth),
+            None if self.pair.is_none() => Err(missing(channel, "only pairs have ground truth")),
+            None => Err(missing(channel, "it is ground truth; call Renderer::ground_truth")),
         };
         let sources = || self.sources.ok_or_else(|| missing(channel, "the left view is traced; the right view has it"));
         Ok(match channel {
@@ -120,6 +113,18 @@ impl<'a> Channels<'a> {
         })
     }
 
+    /// Returns the ground truth, which must have the view's size.
+    fn truth(&self) -> Result<Option<&'a EyeTruth>, Error> {
+        let View { width, height, .. } = *self.view;
+        match self.truth {
+            Some(truth) if [truth.width, truth.height] != [width, height] => Err(Error::Sizes {
+                sizes: format!("{}x{} and {width}x{height}", truth.width, truth.height),
+                reason: "the ground truth must belong to the pair",
+            }),
+            truth => Ok(truth),
+        }
+    }
+
     fn disparity(&self) -> Result<Values<'a>, Error> {
         let channel = Channel::Disparity;
         let Some((pair, is_right)) = self.pair else {
@@ -128,7 +133,7 @@ impl<'a> Channels<'a> {
         if pair.pose.convergence == crate::Convergence::ToeIn {
             return Err(missing(channel, "toed-in eyes have none: points do not stay in their rows"));
         }
-        Ok(Values::Floats(match self.truth {
+        Ok(Values::Floats(match self.truth()? {
             Some(truth) => Cow::Borrowed(&truth.disparity),
             None if is_right => Cow::Owned(pair.right_disparity()),
             None => Cow::Owned(pair.disparity()),

@@ -4,8 +4,8 @@ use crate::common;
 
 use common::{folder::Folder, nearest::nearest, renderer};
 use stereotrace::{
-    Builtin, Ellipsoid, Error, EyeTruth, GBuffer, GroundTruth, Light, MISS, Material, MaterialId, Mesh, Method,
-    Occlusion, Options, Plane, Pose, Scene, Sphere, StereoCamera, StereoPair, View,
+    Builtin, Channel, Ellipsoid, Error, EyeTruth, GBuffer, GroundTruth, Light, MISS, Material, MaterialId, Mesh,
+    Method, Occlusion, Options, Plane, Pose, Scene, Sphere, StereoCamera, StereoPair, View,
     blocking::Wait,
     glam::{DVec3, Mat3, Vec3},
     output::{Batch, save_ids_pfm},
@@ -263,6 +263,17 @@ fn what_no_ground_truth_can_be_made_of_is_refused_by_name() {
 }
 
 /// Tests extreme scenes and cameras: no value may be NaN, and every file can be written.
+#[test]
+fn channels_refuse_the_ground_truth_of_another_shape() {
+    let (wide, truth) = truth_of(&still_life(), &still_life_camera().size(16, 12));
+    let tall = truth_of(&still_life(), &still_life_camera().size(12, 16)).0;
+    for channel in [Channel::Distance, Channel::Normal, Channel::Disparity] {
+        assert!(wide.left_channels(Some(&truth)).get(channel).is_ok(), "{channel}");
+        let message = tall.right_channels(Some(&truth)).get(channel).unwrap_err().to_string();
+        assert!(message.contains("16x12 and 12x16"), "{channel}: {message}");
+    }
+}
+
 #[test]
 fn the_edges_have_numbers_and_files() {
     let plane_through_the_eyes = {
