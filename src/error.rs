@@ -202,6 +202,27 @@ impl fmt::Debug for Error {
     }
 }
 
+/// Implements `Display` and `FromStr` for an enumeration by its `name()` and `ALL`. Errors call it by the given words.
+macro_rules! by_name {
+    ($kind:ty, $what:literal) => {
+        impl std::fmt::Display for $kind {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.pad(self.name())
+            }
+        }
+
+        impl std::str::FromStr for $kind {
+            type Err = $crate::Error;
+
+            fn from_str(name: &str) -> Result<Self, Self::Err> {
+                let found = Self::ALL.iter().copied().find(|one| one.name() == name);
+                found.ok_or_else(|| $crate::Error::unknown_name($what, name, Self::ALL))
+            }
+        }
+    };
+}
+pub(crate) use by_name;
+
 impl Error {
     #[cfg(any(test, feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
     pub(crate) fn parse(path: impl Into<PathBuf>, line: Option<usize>, reason: impl Into<String>) -> Self {

@@ -1,8 +1,6 @@
 //! Per-pixel outputs by name. Files, the command, the Python package and the page take them from this table.
 
-use std::{fmt, str::FromStr};
-
-use crate::{Error, GBuffer, Options};
+use crate::{GBuffer, Options, error::by_name};
 
 /// A per-pixel output of a view. [`Channels::get`](crate::Channels::get) returns its values.
 ///
@@ -103,7 +101,7 @@ impl Channel {
         }
     }
 
-    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
+    /// Returns the name that [`FromStr`](std::str::FromStr) parses and [`Display`](std::fmt::Display) writes.
     pub fn name(self) -> &'static str {
         self.row().name
     }
@@ -120,20 +118,7 @@ impl Channel {
     }
 }
 
-impl fmt::Display for Channel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Channel {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.iter().copied().find(|channel| channel.name() == name);
-        found.ok_or_else(|| Error::unknown_name("output", name, Self::ALL))
-    }
-}
+by_name!(Channel, "output");
 
 impl Options {
     /// Sets what frames keep for each pixel to what these channels need: [`Options::g_buffer`], [`Options::linear`] and

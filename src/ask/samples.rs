@@ -1,8 +1,6 @@
 //! The number of samples per pixel, and their filter (docs/DESIGN.md, section 3).
 
-use std::{fmt, str::FromStr};
-
-use crate::Error;
+use crate::{Error, error::by_name};
 
 /// Maximum number of rows and columns of a pixel's sample grid.
 pub(crate) const MAX_SIDE: u32 = 8;
@@ -26,7 +24,7 @@ impl Filter {
     /// Every filter, the default first.
     pub const ALL: &'static [Self] = &[Self::Box, Self::Tent, Self::Gauss];
 
-    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
+    /// Returns the name that [`FromStr`](std::str::FromStr) parses and [`Display`](std::fmt::Display) writes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Box => "box",
@@ -54,20 +52,7 @@ impl Filter {
     }
 }
 
-impl fmt::Display for Filter {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Filter {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.iter().copied().find(|filter| filter.name() == name);
-        found.ok_or_else(|| Error::unknown_name("filter", name, Self::ALL))
-    }
-}
+by_name!(Filter, "filter");
 
 /// Returns the side of the grid of a pixel's samples.
 ///

@@ -42,20 +42,14 @@ impl Setting {
                     and shows the same surfaces as naive. Other methods are ideal, atomic, buffer, buffer-2e, \
                     buffer-N (N slots per pixel), es-isler, adelson-hodges, atomic-edges, buffer-edges, verified and \
                     bracket-rays.",
-            set: |options, text| {
-                options.method = named(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.method, named(text)),
             get: |options| options.method.to_string(),
         },
         Self {
             name: "samples",
             form: "N",
             about: "Samples per pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64",
-            set: |options, text| {
-                options.samples = count(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.samples, count(text)),
             get: |options| options.samples.to_string(),
         },
         Self {
@@ -63,69 +57,42 @@ impl Setting {
             form: "TOL[:LEVELS]|off",
             about: "Adaptive antialiasing in place of samples: divide a pixel if samples in its corners differ by \
                     more than TOL of 255. LEVELS is 2 to 5, by default 4",
-            set: |options, text| {
-                options.adaptive = off(text, |text| {
-                    let (tolerance, levels) = split(text);
-                    let wrong = |_| "it must be a tolerance like 8, or with a number of levels like 8:3".to_owned();
-                    let levels = levels.map_or(Ok(LEVELS), |levels| count(levels).map_err(wrong))?;
-                    Ok(Adaptive::new(levels, number(tolerance).map_err(wrong)?))
-                })?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.adaptive, off(text, adaptive)),
             get: |options| optional(options.adaptive, |Adaptive { levels, tolerance }| format!("{tolerance}:{levels}")),
         },
         Self {
             name: "filter",
             form: "KIND",
             about: "Reconstruction filter that weights the samples of a pixel: box, tent or gauss",
-            set: |options, text| {
-                options.filter = named(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.filter, named(text)),
             get: |options| options.filter.to_string(),
         },
         Self {
             name: "jitter",
             form: "BOOL",
             about: "Jitter the sample grid, so that near-vertical edges get more levels: true or false",
-            set: |options, text| {
-                options.jitter = flag(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.jitter, flag(text)),
             get: |options| options.jitter.to_string(),
         },
         Self {
             name: "bounces",
             form: "N",
             about: "Maximum number of reflections and refractions along a ray: 0 to 8",
-            set: |options, text| {
-                options.bounces = count(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.bounces, count(text)),
             get: |options| options.bounces.to_string(),
         },
         Self {
             name: "exposure",
             form: "EV",
             about: "Exposure in stops, -64 to 64: each stop doubles the brightness",
-            set: |options, text| {
-                options.exposure = number(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.exposure, number(text)),
             get: |options| options.exposure.to_string(),
         },
         Self {
             name: "tone",
             form: "clamp|filmic",
             about: "Tone mapping: clamp values above 1, or filmic, a curve for all values",
-            set: |options, text| {
-                options.tone = match text {
-                    "clamp" => Tone::Clamp,
-                    "filmic" => Tone::Filmic,
-                    _ => return Err("it must be clamp or filmic".into()),
-                };
-                Ok(())
-            },
+            set: |options, text| put(&mut options.tone, tone(text)),
             get: |options| match options.tone {
                 Tone::Clamp => "clamp".into(),
                 Tone::Filmic => "filmic".into(),
@@ -135,36 +102,21 @@ impl Setting {
             name: "seed",
             form: "N",
             about: "Seed of the random numbers for soft light and jitter. Equal seeds give equal pictures",
-            set: |options, text| {
-                options.seed = count(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.seed, count(text)),
             get: |options| options.seed.to_string(),
         },
         Self {
             name: "shadow_rays",
             form: "N",
             about: "Shadow rays per sample to each light that is not a point, 1 to 32",
-            set: |options, text| {
-                options.shadow_rays = count(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.shadow_rays, count(text)),
             get: |options| options.shadow_rays.to_string(),
         },
         Self {
             name: "ambient_occlusion",
             form: "N:RADIUS|off",
             about: "Ambient occlusion by N rays per sample, 1 to 32, with occluders up to RADIUS world units away",
-            set: |options, text| {
-                options.ambient_occlusion = off(text, |text| {
-                    let (rays, radius) = split(text);
-                    let wrong = |_| "it must be a number of rays and a radius, like 16:0.5".to_owned();
-                    let radius =
-                        radius.map_or_else(|| Err(wrong(String::new())), |text| number(text).map_err(wrong))?;
-                    Ok(AmbientOcclusion::new(count(rays).map_err(wrong)?, radius))
-                })?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.ambient_occlusion, off(text, ambient_occlusion)),
             get: |options| {
                 optional(options.ambient_occlusion, |AmbientOcclusion { rays, radius }| format!("{rays}:{radius}"))
             },
@@ -174,10 +126,7 @@ impl Setting {
             form: "N|off",
             about: "Light surfaces by the sky (image-based lighting) in place of ambient light, by N rays per sample, \
                     1 to 32. Occluders block the sky's light",
-            set: |options, text| {
-                options.sky_rays = off(text, count)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.sky_rays, off(text, count)),
             get: |options| optional(options.sky_rays, |rays| rays.to_string()),
         },
         Self {
@@ -186,15 +135,7 @@ impl Setting {
             about: "Soft light that the second eye reuses: exact reuses it where a light is wholly visible or hidden; \
                     shared (the default) also in penumbrae, where samples differ by at most DEVIATIONS standard \
                     deviations",
-            set: |options, text| {
-                options.penumbra = match setting(text)? {
-                    ("exact", None) => Penumbra::Exact,
-                    ("shared", None) => Penumbra::default(),
-                    ("shared", Some(deviations)) => Penumbra::Shared { deviations },
-                    _ => return Err("it must be exact, shared or shared=DEVIATIONS".into()),
-                };
-                Ok(())
-            },
+            set: |options, text| put(&mut options.penumbra, penumbra(text)),
             get: |options| match options.penumbra {
                 Penumbra::Exact => "exact".into(),
                 Penumbra::Shared { deviations } => format!("shared={deviations}"),
@@ -204,10 +145,7 @@ impl Setting {
             name: "noise_by_view",
             form: "BOOL",
             about: "Use different random numbers in each view: true or false",
-            set: |options, text| {
-                options.noise_by_view = flag(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.noise_by_view, flag(text)),
             get: |options| options.noise_by_view.to_string(),
         },
         Self {
@@ -215,10 +153,7 @@ impl Setting {
             form: "KIND",
             about: "Algorithm that finds the closest hits of traced views: rays, or t-buffer, which draws each \
                     primitive over the pixels that it may cover",
-            set: |options, text| {
-                options.visibility = named(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.visibility, named(text)),
             get: |options| options.visibility.to_string(),
         },
         Self {
@@ -227,10 +162,7 @@ impl Setting {
             about: "Use shadow buffers in place of shadow rays: tables of ROWS rows of directions around each point \
                     light. The rule compares objects, compares depths with a BIAS, or traces rays where the buffer is \
                     uncertain (hybrid, the default). BIAS and MARGIN are in texel widths",
-            set: |options, text| {
-                options.shadow_buffer = off(text, shadow_buffer)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.shadow_buffer, off(text, shadow_buffer)),
             get: |options| {
                 optional(options.shadow_buffer, |ShadowBuffer { rows, rule }| match rule {
                     ShadowRule::Object => format!("{rows}:object"),
@@ -243,10 +175,7 @@ impl Setting {
             name: "count",
             form: "BOOL",
             about: "Count BVH nodes and primitive tests (slower): true or false",
-            set: |options, text| {
-                options.count = flag(text)?;
-                Ok(())
-            },
+            set: |options, text| put(&mut options.count, flag(text)),
             get: |options| options.count.to_string(),
         },
     ];
@@ -280,6 +209,43 @@ impl Options {
     /// [`Error::UnknownName`] for an unknown name.
     pub fn get(&self, name: &str) -> Result<String, Error> {
         Setting::named(name).map(|setting| (setting.get)(self))
+    }
+}
+
+/// Sets a field to a parsed value.
+fn put<T>(field: &mut T, value: Result<T, String>) -> Result<(), String> {
+    *field = value?;
+    Ok(())
+}
+
+fn adaptive(text: &str) -> Result<Adaptive, String> {
+    let (tolerance, levels) = split(text);
+    let wrong = |_| "it must be a tolerance like 8, or with a number of levels like 8:3".to_owned();
+    let levels = levels.map_or(Ok(LEVELS), |levels| count(levels).map_err(wrong))?;
+    Ok(Adaptive::new(levels, number(tolerance).map_err(wrong)?))
+}
+
+fn ambient_occlusion(text: &str) -> Result<AmbientOcclusion, String> {
+    let (rays, radius) = split(text);
+    let wrong = |_| "it must be a number of rays and a radius, like 16:0.5".to_owned();
+    let radius = radius.map_or_else(|| Err(wrong(String::new())), |text| number(text).map_err(wrong))?;
+    Ok(AmbientOcclusion::new(count(rays).map_err(wrong)?, radius))
+}
+
+fn tone(text: &str) -> Result<Tone, String> {
+    match text {
+        "clamp" => Ok(Tone::Clamp),
+        "filmic" => Ok(Tone::Filmic),
+        _ => Err("it must be clamp or filmic".into()),
+    }
+}
+
+fn penumbra(text: &str) -> Result<Penumbra, String> {
+    match setting(text)? {
+        ("exact", None) => Ok(Penumbra::Exact),
+        ("shared", None) => Ok(Penumbra::default()),
+        ("shared", Some(deviations)) => Ok(Penumbra::Shared { deviations }),
+        _ => Err("it must be exact, shared or shared=DEVIATIONS".into()),
     }
 }
 

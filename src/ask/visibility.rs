@@ -1,8 +1,6 @@
 //! How the first hits of traced views are found.
 
-use std::{fmt, str::FromStr};
-
-use crate::{Error, Options};
+use crate::{Options, error::by_name};
 
 /// How the first hits of traced views are found. Both ways find the same hits. Views that a method makes from another
 /// view are not affected.
@@ -35,7 +33,7 @@ impl Visibility {
     /// Both variants, the default first.
     pub const ALL: &'static [Self] = &[Self::Rays, Self::TBuffer];
 
-    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
+    /// Returns the name that [`FromStr`](std::str::FromStr) parses and [`Display`](std::fmt::Display) writes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rays => "rays",
@@ -52,17 +50,4 @@ impl Options {
     }
 }
 
-impl fmt::Display for Visibility {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Visibility {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.iter().copied().find(|way| way.name() == name);
-        found.ok_or_else(|| Error::unknown_name("visibility", name, Self::ALL))
-    }
-}
+by_name!(Visibility, "visibility");

@@ -116,8 +116,7 @@ impl Picture {
 pub(super) struct PngKind {
     pub(super) color: png::ColorType,
     pub(super) depth: png::BitDepth,
-    /// Whether the samples are sRGB-encoded light. If so, the file is marked as sRGB; otherwise samples are plain
-    /// numbers.
+    /// Whether the file is marked as sRGB. It is false for samples that are not colours.
     pub(super) is_srgb: bool,
 }
 

@@ -1,12 +1,9 @@
 //! Packings put both eyes into one picture, side by side, top and bottom or interlaced, for 3D displays or free
 //! viewing.
 
-use std::fmt;
-use std::str::FromStr;
-
 use super::{Picture, rows};
 use crate::srgb::encode;
-use crate::{Error, View};
+use crate::{View, error::by_name};
 
 /// Arrangement of the eyes in one picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -44,7 +41,7 @@ impl Packing {
         Self::Checkerboard,
     ];
 
-    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
+    /// Returns the name that [`FromStr`](std::str::FromStr) parses and [`Display`](std::fmt::Display) writes.
     pub fn name(self) -> &'static str {
         match self {
             Self::SideBySide => "side-by-side",
@@ -59,20 +56,7 @@ impl Packing {
     }
 }
 
-impl fmt::Display for Packing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Packing {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.iter().copied().find(|packing| packing.name() == name);
-        found.ok_or_else(|| Error::unknown_name("packing", name, Self::ALL))
-    }
-}
+by_name!(Packing, "packing");
 
 /// Packs two views into one picture. The half packings average two pixels in linear light. With an odd number of
 /// columns or rows, the last one is copied, and the picture is one pixel larger than a view.

@@ -11,8 +11,6 @@ pub(crate) mod spheres;
 pub(crate) mod stacked;
 pub(crate) mod stage;
 
-use std::{fmt, str::FromStr};
-
 use glam::Vec3;
 
 #[cfg(not(any(test, feature = "testing")))]
@@ -28,7 +26,7 @@ use self::{
     spheres::{CLOUD_SCREEN, spheres, three_camera, three_spheres},
 };
 use super::{Light, Material, MaterialId, Scene};
-use crate::{Error, StereoCamera};
+use crate::{StereoCamera, error::by_name};
 
 /// Interaxial as a share of the picture's width: 15 pixels of 600, as in the thesis.
 pub(crate) const INTERAXIAL_SHARE: f32 = 15.0 / 600.0;
@@ -164,20 +162,7 @@ impl Builtin {
     }
 }
 
-impl fmt::Display for Builtin {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Builtin {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        let found = Self::ALL.iter().copied().find(|scene| scene.name() == name);
-        found.ok_or_else(|| Error::unknown_name("built-in scene", name, Self::ALL))
-    }
-}
+by_name!(Builtin, "built-in scene");
 
 pub(crate) fn add(scene: &mut Scene, shape: Shape) {
     scene.add_mesh(&shape.into_mesh()).expect("a shape's lists fit each other and its points are finite");

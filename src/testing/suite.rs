@@ -5,12 +5,13 @@ mod space;
 mod surfaces;
 mod thin;
 
-use std::{f32::consts::TAU, fmt, str::FromStr};
+use std::f32::consts::TAU;
 
 use glam::Vec3;
 
 use crate::{
-    Error, Finish, Light, MaterialId, Scene, StereoCamera,
+    Finish, Light, MaterialId, Scene, StereoCamera,
+    error::by_name,
     scene::builtin::{Builtin, INTERAXIAL_SHARE, stage},
 };
 
@@ -254,20 +255,7 @@ impl Trial {
     }
 }
 
-impl fmt::Display for Trial {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Trial {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        let found = Self::ALL.iter().copied().find(|trial| trial.name() == name);
-        found.ok_or_else(|| Error::unknown_name("trial", name, Self::ALL))
-    }
-}
+by_name!(Trial, "trial");
 
 /// Width of a pixel (of 600 across the picture) at distance 1 on the stage.
 const PIXEL: f32 = stage::WIDTH / 600.0;

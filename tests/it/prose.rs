@@ -6,6 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use crate::common::files_below;
+
 /// Maximum length of a line of code, comments and pages, in characters.
 const LONGEST: usize = 120;
 
@@ -15,19 +17,9 @@ fn root() -> &'static Path {
 
 /// Returns the files with these extensions in the repository's folders of sources and pages.
 fn files(endings: &[&str]) -> Vec<PathBuf> {
-    fn below(folder: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
-        for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            let name = entry.file_name().unwrap_or_default().to_string_lossy();
-            if entry.is_dir() && !["target", "node_modules", "dist"].contains(&&*name) && !name.starts_with('.') {
-                below(&entry, endings, found);
-            } else if entry.extension().is_some_and(|ending| endings.contains(&&*ending.to_string_lossy())) {
-                found.push(entry);
-            }
-        }
-    }
     let mut found = Vec::new();
     for folder in ["benches", "cli", "docs", "examples", "python", "shaders", "src", "studies", "tests", "web"] {
-        below(&root().join(folder), endings, &mut found);
+        found.extend(files_below(&root().join(folder), endings));
     }
     for page in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md"] {
         if endings.contains(&"md") {

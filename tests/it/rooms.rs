@@ -3,8 +3,10 @@
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
-    path::{Path, PathBuf},
+    path::Path,
 };
+
+use crate::common::files_below;
 
 /// The modules and single files of src/, from the lowest to the highest.
 const FLOORS: [&str; 22] = [
@@ -36,11 +38,6 @@ const OPTIONAL: [(&str, &[&str]); 2] =
     [("t_buffer", &["shadow_buffer", "methods", "render"]), ("shadow_buffer", &["render", "testing"])];
 /// Files above all modules.
 const ROOF: [&str; 2] = ["lib", "guide"];
-
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
-}
 
 /// Returns a file's text without comments and unit tests.
 fn code(path: &Path) -> String {
@@ -99,7 +96,7 @@ fn no_room_imports_a_room_above_it() {
     let exports = exports(&root);
     let floor = |room: &str| FLOORS.iter().position(|other| *other == room);
     let mut seen = 0;
-    for path in files(&src) {
+    for path in files_below(&src, &["rs"]) {
         let inside = path.strip_prefix(&src).unwrap();
         let names: Vec<_> = inside.iter().map(|name| name.to_str().unwrap().trim_end_matches(".rs")).collect();
         if ROOF.contains(&names[0]) || names.contains(&"tests") {

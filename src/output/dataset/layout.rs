@@ -1,14 +1,15 @@
 //! Writes folder layouts that loaders of existing data sets can read.
 
 use std::{
-    fmt, fs,
+    fs,
     path::{Path, PathBuf},
-    str::FromStr,
 };
 
 use glam::DVec3;
 
-use crate::{Convergence, Error, EyeTruth, GroundTruth, StereoPair, output::Batch, view::camera::Intrinsics};
+use crate::{
+    Convergence, Error, EyeTruth, GroundTruth, StereoPair, error::by_name, output::Batch, view::camera::Intrinsics,
+};
 
 /// Folder layout of the data set of the same name. Pairs are numbered from 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -35,7 +36,7 @@ impl Layout {
     /// All layouts, starting with the default.
     pub const ALL: &'static [Self] = &[Self::Middlebury, Self::Kitti, Self::SceneFlow];
 
-    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
+    /// Returns the name that [`FromStr`](std::str::FromStr) parses and [`Display`](std::fmt::Display) writes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Middlebury => "middlebury",
@@ -98,20 +99,7 @@ impl Layout {
     }
 }
 
-impl fmt::Display for Layout {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Layout {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.iter().copied().find(|layout| layout.name() == name);
-        found.ok_or_else(|| Error::unknown_name("layout", name, Self::ALL))
-    }
-}
+by_name!(Layout, "layout");
 
 /// Folder of a data set.
 struct Root<'a>(&'a Path);

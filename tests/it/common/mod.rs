@@ -10,10 +10,11 @@ pub(crate) mod shown_sky;
 pub(crate) mod warnings;
 
 use std::{
+    fs,
     io::Write,
     ops::{Deref, DerefMut},
     panic::Location,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
@@ -77,6 +78,20 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// Returns the cases of a test: all in the long form, else the first of every `every` cases.
 pub(crate) fn cases<T>(all: impl IntoIterator<Item = T>, every: usize) -> Vec<T> {
     all.into_iter().step_by(if is_long() { 1 } else { every }).collect()
+}
+
+/// Returns the files with these extensions in a folder and below. Hidden folders and build outputs are left out.
+pub(crate) fn files_below(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        let name = entry.file_name().unwrap_or_default().to_string_lossy();
+        if entry.is_dir() && !["target", "node_modules", "dist"].contains(&&*name) && !name.starts_with('.') {
+            found.extend(files_below(&entry, endings));
+        } else if entry.extension().is_some_and(|ending| endings.contains(&&*ending.to_string_lossy())) {
+            found.push(entry);
+        }
+    }
+    found
 }
 
 /// Says that a test, or a part of one, is not run. `scripts/test.sh` counts these lines.
