@@ -144,6 +144,15 @@ pub enum Error {
         /// The reason.
         reason: String,
     },
+    /// An invalid value in the spec of a data set.
+    #[non_exhaustive]
+    #[error("{}{}{}", escaped(key), if key.is_empty() { "" } else { ": " }, escaped(reason))]
+    Spec {
+        /// Path of the value's key, such as `scenes[0].weight`; empty for the whole spec.
+        key: String,
+        /// The reason.
+        reason: String,
+    },
     /// An unknown name.
     #[non_exhaustive]
     #[error("unknown {what} '{}'; use one of {}", tidy(name), tidy(known))]

@@ -81,7 +81,8 @@
 //!   write cameras). They build on wasm32 too, but functions that take a path return [`Error::Io`] there.
 //!
 //! Off by default: `testing` (twins of the kernels, hard scenes and the choice of the traversal, for tests), `exr`
-//! (write `OpenEXR`), `serde` (serialise scenes, materials and lights), and `webgpu`, the browser backend for wasm32.
+//! (write `OpenEXR`), `dataset` (make the pairs of a spec), `serde` (serialise scenes, materials and lights), and
+//! `webgpu`, the browser backend for wasm32.
 //! A build without any backend needs a device from the caller ([`Gpu::from_device`]).
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::print_stdout))]
 
@@ -92,6 +93,8 @@ mod accel;
 mod ask;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 pub mod blocking;
+#[cfg(feature = "png")]
+pub mod dataset;
 mod error;
 #[cfg(test)]
 #[path = "../tests/it/common/folder.rs"]
@@ -121,8 +124,6 @@ pub mod testing;
 mod truth;
 mod view;
 
-#[cfg(feature = "png")]
-pub use output::dataset;
 pub use truth::metrics;
 
 /// Limits of cameras, and cameras by intrinsics or for a display.

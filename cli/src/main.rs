@@ -12,6 +12,7 @@ mod commands;
 #[path = "../../tests/it/common/folder.rs"]
 #[allow(dead_code, reason = "unit tests use a part of it")]
 mod folder;
+mod manifest;
 mod progress;
 mod record;
 mod stop;

@@ -16,12 +16,10 @@ pub(crate) fn of(subject: &Subject, scene: &Scene, more: &impl Debug) -> Result<
         Ok(json!({ "file": file.to_string_lossy(), "sha256": hex(Sha256::digest(&bytes)) }))
     });
     let files = files.collect::<Result<Vec<_>, String>>()?;
-    let mut content = Sha256::new();
-    scene.content(|bytes| content.update(bytes));
     Ok(json!({
         "version": env!("CARGO_PKG_VERSION"),
         "files": files,
-        "scene_sha256": hex(content.finalize()),
+        "scene_sha256": scene.sha256(),
         "settings": format!("{:?}", (subject, more)),
     }))
 }

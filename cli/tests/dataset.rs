@@ -162,7 +162,7 @@ fn kitti_and_scene_flow_have_parallel_cameras() {
         assert_eq!((camera["doffs"].as_f64(), &camera["pose"]["screen_distance"]), (Some(0.0), &"inf".into()));
         let manifest = fs::read_to_string(folder.file(layout).join("manifest.jsonl")).unwrap();
         let line: Value = serde_json::from_str(manifest.lines().nth(1).unwrap()).unwrap();
-        let range: Vec<f64> = serde_json::from_value(line["left"]["disparity"].clone()).unwrap();
+        let range: Vec<f64> = serde_json::from_value(line["disparity"].clone()).unwrap();
         assert!(range[0] > 0.0 && range[1] < 256.0, "{range:?}");
     }
     let out = folder.file("converged").to_str().unwrap().to_owned();

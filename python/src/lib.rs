@@ -3,6 +3,7 @@
 //! are the Python docstrings.
 
 mod camera;
+mod dataset;
 mod errors;
 mod light;
 mod material;
@@ -23,6 +24,7 @@ mod _stereotrace {
     #[pymodule_export]
     use super::{
         camera::Camera,
+        dataset::{DataSetSpec, PairMaker},
         errors::{AdapterError, DeviceLostError, LimitError},
         light::Light,
         material::Material,

@@ -147,7 +147,8 @@ impl Renderer {
         done.map_err(raised)
     }
 
-    /// Renders a frame without Python's lock. Between bands of rows, Python handles signals and `progress` is called.
+    /// Renders a frame of a scene without Python's lock. Between bands of rows, Python handles signals and calls
+    /// `progress`.
     fn work<T: Send>(
         &self,
         py: Python<'_>,
@@ -156,13 +157,33 @@ impl Renderer {
         work: impl Send
         + FnOnce(&mut stereotrace::Renderer, &UploadedScene, &mut stereotrace::OnProgress<'_>) -> Result<T, Error>,
     ) -> PyResult<T> {
-        let mut stopped = None;
         let (inner, state) = (&scene.inner, scene.state);
-        let done = self.with_stage(py, |stage| {
+        self.watched(py, progress, |stage, progress| {
             stage.bring(inner, state)?;
             let Stage { renderer, scenes, .. } = stage;
             let Some((_, uploaded)) = scenes.last() else { unreachable!("a scene was brought") };
-            work(renderer, uploaded, &mut |now: Progress| {
+            work(renderer, uploaded, progress)
+        })
+    }
+
+    /// Does work on the device as [`Renderer::work`] does, without a scene.
+    pub(crate) fn work_alone<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl Send + FnOnce(&mut stereotrace::Renderer, &mut stereotrace::OnProgress<'_>) -> Result<T, Error>,
+    ) -> PyResult<T> {
+        self.watched(py, None, |stage, progress| work(&mut stage.renderer, progress))
+    }
+
+    fn watched<T: Send>(
+        &self,
+        py: Python<'_>,
+        progress: Option<Py<PyAny>>,
+        work: impl Send + FnOnce(&mut Stage, &mut stereotrace::OnProgress<'_>) -> Result<T, Error>,
+    ) -> PyResult<T> {
+        let mut stopped = None;
+        let done = self.with_stage(py, |stage| {
+            work(stage, &mut |now: Progress| {
                 let told = Python::attach(|py| {
                     py.check_signals()?;
                     progress.as_ref().map_or(Ok(()), |progress| progress.call1(py, (now.pass, now.done)).map(drop))

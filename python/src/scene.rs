@@ -10,7 +10,6 @@ use std::{
 };
 
 use pyo3::{prelude::*, types::PyString};
-use sha2::{Digest, Sha256};
 use stereotrace::{
     Builtin, Ellipsoid, MaterialId, Mesh, MissingTextures, Origin, OutsideFiles, Plane, SceneFile, SceneOptions, Sky,
     SkyMap, Sphere, StereoCamera, Texture, TextureId, Wrap,
@@ -72,7 +71,11 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    fn of(inner: stereotrace::Scene, cameras: Vec<(Arc<str>, StereoCamera)>, builtin: Option<Builtin>) -> Self {
+    pub(crate) fn of(
+        inner: stereotrace::Scene,
+        cameras: Vec<(Arc<str>, StereoCamera)>,
+        builtin: Option<Builtin>,
+    ) -> Self {
         Self { inner, state: State::new(), cameras, builtin }
     }
 
@@ -588,11 +591,7 @@ impl Scene {
     /// Returns a SHA-256, as 64 hexadecimal digits, of everything that pictures of the scene depend on. Equal scenes
     /// from different files have equal hashes. Versions of the library may differ.
     fn sha256(&self, py: Python<'_>) -> String {
-        py.detach(|| {
-            let mut hash = Sha256::new();
-            self.inner.content(|bytes| hash.update(bytes));
-            hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
-        })
+        py.detach(|| self.inner.sha256())
     }
 
     fn __repr__(&self) -> String {

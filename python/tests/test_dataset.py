@@ -6,6 +6,7 @@ import gzip
 import io
 import json
 import os
+import pickle
 import resource
 import signal
 import subprocess
@@ -24,8 +25,7 @@ from fsspec.implementations.memory import MemoryFileSystem
 import stereotrace
 from stereotrace import dataset
 from stereotrace.dataset import OtherDataSet, Spec, SpecError, Worker
-from stereotrace.dataset.items import Item
-from stereotrace.dataset.spec import eye_outputs
+from stereotrace._stereotrace import PairMaker
 
 SPEC = {
     "name": "small",
@@ -107,7 +107,7 @@ def test_a_scene_s_origin_is_the_spec_s(tmp_path, origin, expected):
     path = tmp_path / "far.obj"
     path.write_text("v 500000 0 5400000\nv 500001 0 5400000\nv 500000 1 5400000\nf 1 2 3\n")
     scene = {"file": str(path)} | ({} if origin is None else {"origin": origin})
-    found = dataset.worker.open_scene(spec(scenes=[scene]), 0)
+    found = PairMaker(spec(scenes=[scene]).checked, 0).scene(0)
     assert found.origin == pytest.approx(expected, abs=1)
 
 
@@ -143,45 +143,28 @@ def test_arrays_may_be_compressed(made, tmp_path):
 
 
 def test_a_value_of_one_name_stays_when_others_are_added():
-    with_more = spec(poses={"kind": "orbit", "rise": {"uniform": [0, 20]}}, randomise={})
-    for number in range(50):
-        one, other = Item(spec(), number), Item(with_more, number)
-        assert one.scene() == other.scene()
-        assert one.draw(spec()["rig"]["interaxial"], "rig.interaxial") == other.draw(
-            spec()["rig"]["interaxial"], "rig.interaxial"
-        )
-
-
-def test_draws_fill_their_ranges():
-    items = [Item(spec(), number) for number in range(2000)]
-    units = np.array([item.unit("x") for item in items])
-    assert units.min() < 0.01 and units.max() > 0.99 and abs(units.mean() - 0.5) < 0.03
-    assert np.corrcoef(units, [item.unit("y") for item in items])[0, 1] < 0.06
-    for kind, most in (("uniform", 800), ("log_uniform", 1100)):
-        counts = [item.draw({kind: [1, 3]}, "lights.count") for item in items]
-        assert set(counts) == {1, 2, 3} and max(counts.count(n) for n in (1, 2, 3)) < most
-    assert set(item.draw({"choice": [1, 2, 5]}, "z") for item in items) == {1, 2, 5}
-    logs = np.log([item.draw({"log_uniform": [0.01, 1.0]}, "z") for item in items])
-    assert abs(logs.mean() - np.log(0.1)) < 0.1
-    assert any(item.draw({"uniform": [1.0, 3.0]}, "x") % 1 for item in items)
-    assert abs(np.mean([item.scene() for item in items]) - 2 / 3) < 0.04
-    # The number is the same on every machine.
-    assert Item(spec(), 5).unit("scene") == 0.09947573058063397
+    one = PairMaker(spec().checked, 0)
+    other = PairMaker(spec(poses={"kind": "orbit", "rise": {"uniform": [0, 20]}}, randomise={}).checked, 0)
+    assert [one.scene_of(number) for number in range(50)] == [other.scene_of(number) for number in range(50)]
+    first, second = (Worker(spec(scenes=[{"builtin": "near"}], **more)) for more in ({}, {"randomise": {}}))
+    assert [first.pair(item)[1]["interaxial"] for item in range(3)] == [
+        second.pair(item)[1]["interaxial"] for item in range(3)
+    ]
 
 
 def test_lights_and_materials_are_drawn():
     worker = Worker(spec(scenes=[{"builtin": "three-spheres"}]))
-    stage = worker._stage(0)
-    own = [material.albedo for material in stage.scene.materials]
+    own = [material.albedo for material in worker.maker.scene(0).materials]
     lights, albedos = set(), set()
     for item in range(8):
         worker.pair(item)
-        lights.add(len(stage.scene.lights))
-        albedos.add(tuple(material.albedo for material in stage.scene.materials))
+        scene = worker.maker.scene(0)
+        lights.add(len(scene.lights))
+        albedos.add(tuple(material.albedo for material in scene.materials))
     assert lights == {1, 2, 3} and len(albedos) == 8
     plain = Worker(spec(scenes=[{"builtin": "three-spheres"}], randomise={}))
     plain.pair(0)
-    assert [material.albedo for material in plain._stage(0).scene.materials] == own
+    assert [material.albedo for material in plain.maker.scene(0).materials] == own
 
 
 def test_skies_are_given(tmp_path):
@@ -245,6 +228,31 @@ def test_layouts_are_folders(layout, tmp_path):
         assert memory.read(left[layout]) == before
 
 
+@pytest.mark.skipif("STEREOTRACE_COMMAND" not in os.environ, reason="scripts/check_python.sh builds the command")
+def test_the_command_makes_the_same_pairs(tmp_path):
+    options = {"samples": 4, "adaptive": None, "shadow_rays": 3}
+    made = Spec.load(
+        {
+            "seed": 5,
+            "pairs": 2,
+            "size": [48, 36],
+            "format": "middlebury",
+            "scenes": [{"builtin": "hall-finished"}],
+            "poses": {"clearance": 0.3},
+            "render": options,
+        }
+    )
+    dataset.make(made, str(tmp_path / "package"))
+    command = [os.environ["STEREOTRACE_COMMAND"], "dataset", "builtin:hall-finished", "--pairs", "2", "--size", "48x36"]
+    command += ["--seed", "5", "--clearance", "0.3", "--samples", "4", "--shadow-rays", "3"]
+    subprocess.run([*command, "--out", str(tmp_path / "command")], check=True, capture_output=True)
+    for item in ("000000", "000001"):
+        files = sorted((tmp_path / "package" / "pairs-000000" / item).iterdir())
+        assert len(files) == 9
+        for file in files:
+            assert file.read_bytes() == (tmp_path / "command" / item / file.name).read_bytes(), file
+
+
 def test_middlebury_has_no_disparity_below_0(tmp_path):
     """Loaders take absolute values, so converged cameras must be requested, and negative disparities are refused."""
     common = {
@@ -266,18 +274,23 @@ def test_middlebury_has_no_disparity_below_0(tmp_path):
     assert dataset.make(spec(**common, rig={"screen_distance": 1e4}), str(tmp_path / "behind")).errors == []
 
 
-def counted_scenes(monkeypatch) -> list[int]:
-    """Returns a list to which the number of each scene is added when it is read."""
-    opened: list[int] = []
-    real = dataset.worker.open_scene
+class ReadScenes:
+    """The scenes that runs read, in order, by the makers that they create."""
 
-    def open_scene(of: Spec, scene: int) -> stereotrace.Scene:
-        opened.append(scene)
-        return real(of, scene)
+    def __init__(self, monkeypatch) -> None:
+        self._makers: list[PairMaker] = []
 
-    monkeypatch.setattr(dataset.worker, "open_scene", open_scene)
-    monkeypatch.setattr(dataset.run, "open_scene", open_scene)
-    return opened
+        def maker(*given) -> PairMaker:
+            self._makers.append(PairMaker(*given))
+            return self._makers[-1]
+
+        monkeypatch.setattr(dataset.run, "PairMaker", maker)
+
+    def taken(self) -> list[int]:
+        """Returns the scenes read since the last call."""
+        found = [scene for maker in self._makers for scene in maker.scenes_read]
+        self._makers.clear()
+        return found
 
 
 def test_shards_read_each_scene_once(tmp_path, monkeypatch):
@@ -291,14 +304,14 @@ def test_shards_read_each_scene_once(tmp_path, monkeypatch):
         poses={"kind": "fixed"},
         randomise={},
     )
-    opened = counted_scenes(monkeypatch)
+    read = ReadScenes(monkeypatch)
     dataset.make(many, str(tmp_path / "one"), scene_memory=0)
+    opened = read.taken()
     assert sorted(opened[:4]) == list(range(4))
-    # One scene is kept, with which the second shard begins.
-    assert len(opened) == 4 + 4 + 3, opened
-    opened.clear()
+    # One scene is kept, with which each shard begins.
+    assert len(opened) == 4 + 3 + 3, opened
     dataset.make(many, str(tmp_path / "all"))
-    assert sorted(opened) == list(range(4))
+    assert sorted(read.taken()) == list(range(4))
     for name in ("small-000000", "small-000001"):
         assert (tmp_path / "one" / f"{name}.tar").read_bytes() == (tmp_path / "all" / f"{name}.tar").read_bytes()
         record = json.loads((tmp_path / "one" / f"{name}.json").read_text())
@@ -312,19 +325,17 @@ def test_shards_read_each_scene_once(tmp_path, monkeypatch):
     assert (tmp_path / "disk" / "small-000001.tar").read_bytes() == (tmp_path / "all" / "small-000001.tar").read_bytes()
 
 
-def test_scenes_stay_read_up_to_a_memory(monkeypatch):
-    many = spec(scenes=[{"builtin": "hall"}, {"builtin": "near"}, {"builtin": "spheres"}])
-    opened = counted_scenes(monkeypatch)
+def test_scenes_stay_read_up_to_a_memory():
+    many = spec(scenes=[{"builtin": "hall"}, {"builtin": "near"}, {"builtin": "spheres"}]).checked
     size = 3 * stereotrace.Scene.builtin("hall").memory
-    worker = Worker(many, scene_memory=size + 2_000_000)
-    for scene in (0, 1, 0, 2, 0, 1):
-        worker._stage(scene)
-    assert opened == [0, 1, 2]
-    opened.clear()
-    worker = Worker(many, scene_memory=size - 1)
-    for scene in (0, 1, 0, 2, 1, 2):
-        worker._stage(scene)
-    assert opened == [0, 1, 0, 2, 1]
+    for memory, asked, read in (
+        (size + 2_000_000, (0, 1, 0, 2, 0, 1), [0, 1, 2]),
+        (size - 1, (0, 1, 0, 2, 1, 2), [0, 1, 0, 2, 1]),
+    ):
+        maker = PairMaker(many, memory)
+        for scene in asked:
+            maker.scene_sha256(scene)
+        assert maker.scenes_read == read and maker.has_scene(asked[-1])
 
 
 def test_scenes_whose_files_are_as_they_were_are_not_read_again(tmp_path, monkeypatch):
@@ -334,16 +345,14 @@ def test_scenes_whose_files_are_as_they_were_are_not_read_again(tmp_path, monkey
     (folder / "a.obj").write_text("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     one = spec(scenes=[{"file": str(folder / "a.obj")}, {"builtin": "near"}], poses={"kind": "fixed"}, pairs=4)
     out = str(folder / "out")  # a data set among its scenes is not a scene
-    opened = counted_scenes(monkeypatch)
+    read = ReadScenes(monkeypatch)
     dataset.make(one, out)
-    assert opened[:2] == [0, 1]
-    opened.clear()
-    assert dataset.make(one, out).kept == 2 and opened == []
+    assert read.taken()[:2] == [0, 1]
+    assert dataset.make(one, out).kept == 2 and read.taken() == []
     # After a change of the time the file is read again. With the same content the run continues.
     os.utime(folder / "a.obj", ns=(1, 1))
-    assert dataset.make(one, out).kept == 2 and opened == [0]
-    opened.clear()
-    assert dataset.make(one, out).kept == 2 and opened == []
+    assert dataset.make(one, out).kept == 2 and read.taken() == [0]
+    assert dataset.make(one, out).kept == 2 and read.taken() == []
     (folder / "a.mtl").write_text("newmtl a\nKd 0 1 0\n")
     with pytest.raises(OtherDataSet, match="a.obj has changed"):
         dataset.make(one, out)
@@ -625,7 +634,7 @@ def test_any_storage_of_fsspec(made):
     ("changes", "message"),
     [
         ({"pear": 1}, "unknown key 'pear'; the keys are name, seed, pairs"),
-        ({"pairs": None}, "pairs is missing"),
+        ({"pairs": None}, "pairs: it is missing"),
         ({"pairs": 0}, "pairs: 0 must be a whole number, 1 to"),
         ({"pairs": 1.5}, "pairs: 1.5 must be a whole number"),
         ({"name": "a/b"}, "name: 'a/b' must be at most 64 letters"),
@@ -637,7 +646,7 @@ def test_any_storage_of_fsspec(made):
         ({"scenes": [{"builtin": "hall", "weight": -1}]}, r"scenes\[0\].weight"),
         ({"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0]}}]}, "give both eye and target"),
         ({"scenes": [{"builtin": "hall", "lights": [{"intensity": 1}]}]}, r"scenes\[0\].lights\[0\]: give a position"),
-        ({"scenes": [{"builtin": "hall", "sky": [1, 2]}]}, r"scenes\[0\].sky: \[1, 2\] must be a list of 3"),
+        ({"scenes": [{"builtin": "hall", "sky": [1, 2]}]}, r"scenes\[0\].sky: \[1,2\] must be a list of 3"),
         ({"poses": {"kind": "walk"}}, "poses.kind: unknown 'walk'; use one of free, orbit, fixed"),
         ({"poses": {"kind": "fixed", "clearance": 1}}, "poses: unknown key 'clearance'; the keys are kind"),
         ({"rig": {"interaxial": {"uniform": [2, 1]}}}, "rig.interaxial.uniform: .* low and a high"),
@@ -655,7 +664,7 @@ def test_any_storage_of_fsspec(made):
         ),
         ({"randomise": {"lights": {"radius": {"uniform": [-1, 1]}}}}, "radius.uniform.0.: -1 must be 0 or more"),
         ({"randomise": {"materials": {"albedo": 5}}}, "randomise.materials.albedo: 5 must be 0 to 1"),
-        ({"rig": {"fov": float("nan")}}, "rig.fov: nan must be a number"),
+        ({"rig": {"fov": float("nan")}}, "rig.fov: 'nan' must be a number"),
         (
             {"randomise": {"lights": {"count": {"uniform": [1, 40]}}}},
             r"randomise.lights.count.uniform\[1\]: 40 must be a whole number, 1 to 16",
@@ -679,7 +688,7 @@ def test_any_storage_of_fsspec(made):
         ({"rig": {"fov": 180}}, "rig.fov: 180 must be above 0 and below 180"),
         ({"rig": {"fov": {"uniform": [0, 60]}}}, r"rig.fov.uniform\[0\]: 0 must be above 0"),
         ({"rig": {"fov": {"uniform": [30, 200]}}}, r"rig.fov.uniform\[1\]: 200 must be above 0 and below 180"),
-        ({"rig": {"screen_distance": -2}}, "rig.screen_distance: -2.0 must be above 0"),
+        ({"rig": {"screen_distance": -2}}, "rig.screen_distance: -2 must be above 0"),
         ({"rig": {"screen_distance": 5}, "format": "kitti"}, "rig.screen_distance: the cameras of kitti are parallel"),
         (
             {"rig": {"screen_distance": {"choice": ["inf", 5]}}, "format": "sceneflow"},
@@ -708,7 +717,7 @@ def test_any_storage_of_fsspec(made):
         ({"scenes": [{"builtin": "hall", "origin": "none"}]}, r"scenes\[0\]: origin is an option for files"),
         (
             {"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0], "target": [0, 0, 0]}}]},
-            r"camera.target: \[0.0, 0.0, 0.0\] must differ from the eye",
+            r"camera.target: \[0.0,0.0,0.0\] must differ from the eye",
         ),
         ({"scenes": [{"builtin": "hall", "camera": {"up": [0, 0, 0]}}]}, r"scenes\[0\].camera.up: it must not be 0"),
         (
@@ -718,7 +727,7 @@ def test_any_storage_of_fsspec(made):
         ({"randomise": {"exposure": 65}}, "randomise.exposure: 65 must be -64 to 64"),
         (
             {"rig": {"fov": 10**5000}},
-            "rig.fov: a number with too many digits must be a number|rig.fov: 1000.* must be a number",
+            "rig.fov: 'a number with too many digits' must be a number|rig.fov: '1000.* must be a number",
         ),
     ],
 )
@@ -803,7 +812,7 @@ def test_yaml_that_means_something_else_is_refused(tmp_path, text, message):
         (40 * '{"a":' + "1" + 40 * "}", "nested more than 32"),
         (200_000 * "[", "nested more than 32|invalid JSON"),
         ('{"pairs": ' + 9000 * "9" + "}", "invalid JSON"),
-        ('{"pairs": NaN}', "pairs: nan must be a whole number"),
+        ('{"pairs": NaN}', "pairs: 'nan' must be a whole number"),
         ("{", "spec.json: invalid JSON"),
     ],
 )
@@ -896,9 +905,16 @@ def test_packages_that_are_not_there_are_named(tmp_path):
 
 
 def test_outputs_of_eyes():
-    assert eye_outputs(["color", "left.normal", "source"]) == [
+    assert spec(outputs=["color", "left.normal", "source"]).checked.arrays == [
         ("left", "color"),
         ("right", "color"),
         ("left", "normal"),
         ("right", "source"),
     ]
+
+
+def test_specs_can_be_pickled():
+    one = spec()
+    assert one.checked.arrays
+    again = pickle.loads(pickle.dumps(one))
+    assert again == one and again.folder == one.folder and again.checked.arrays == one.checked.arrays

@@ -309,9 +309,7 @@ def test_errors_say_what_is_wrong(renderer, hall, tmp_path):
     raises(ValueError, r"broken.obj:3: ", lambda: Scene.open(broken))
     raises(ValueError, "built-in scene 'x'; use one of", lambda: Scene.builtin("x"))
     raises(ValueError, "method 'x'; use one of", lambda: renderer.render(hall, camera, method="x"))
-    raises(
-        ValueError, "unknown option 'sample'; use one of method", lambda: renderer.render(hall, camera, sample=4)
-    )
+    raises(ValueError, "unknown option 'sample'; use one of method", lambda: renderer.render(hall, camera, sample=4))
     raises(ValueError, "samples: 3 per pixel", lambda: renderer.render(hall, camera, samples=3))
     raises(ValueError, "samples: -1 must be", lambda: renderer.render(hall, camera, samples=-1))
     raises(ValueError, "unknown output 'z'; use one of", lambda: renderer.render(hall, camera, outputs=["z"]))

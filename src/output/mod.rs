@@ -6,8 +6,6 @@
 mod anaglyph;
 mod batch;
 mod calibration;
-#[cfg(feature = "png")]
-pub mod dataset;
 #[cfg(feature = "exr")]
 mod exr;
 mod file;

@@ -96,3 +96,87 @@ fn where_there_is_no_room_the_reasons_are_said() {
     assert!(aside.contains("with too large disparities") && !aside.contains(" 0 with too large"), "{aside}");
     assert!(FreePoses::new(&Scene::new(), camera(), 0).unwrap_err().to_string().contains("cameras can't be placed"));
 }
+
+#[cfg(feature = "dataset")]
+mod made {
+    use std::ops::ControlFlow;
+
+    use stereotrace::{
+        Error, Renderer,
+        blocking::Wait,
+        dataset::{MadePair, PairMaker, Spec},
+    };
+
+    use super::renderer;
+
+    const SPEC: &str = r#"{
+        "seed": 11, "pairs": 12, "size": [32, 24],
+        "scenes": [{"builtin": "hall-finished", "weight": 2}, {"builtin": "near"}],
+        "rig": {"interaxial": {"log_uniform": [0.05, 0.2]}},
+        "randomise": {
+            "lights": {"count": {"uniform": [1, 3]}, "radius": {"choice": [0.1, 0.2]}},
+            "materials": {"share": 0.3, "tint": {"uniform": [0.1, 1.3]}, "specular": {"uniform": [0, 1]}},
+            "exposure": {"uniform": [-1, 1]}
+        },
+        "outputs": ["color", "occlusion", "left.normal"]
+    }"#;
+
+    fn maker() -> PairMaker {
+        PairMaker::new(Spec::from_json(SPEC, ".").unwrap())
+    }
+
+    fn made(maker: &mut PairMaker, renderer: &mut Renderer, item: u32) -> Result<MadePair, Error> {
+        maker.pair(renderer, item, &mut |_| ControlFlow::Continue(())).wait()
+    }
+
+    /// Pairs are the same in any order, after pairs that can't be made, and on another device.
+    #[test]
+    fn a_pair_depends_on_nothing_but_its_number() {
+        let (mut one, mut first) = (maker(), renderer());
+        let pairs: Vec<_> = (0..12).map(|item| made(&mut one, &mut first, item)).collect();
+        let failed = pairs.iter().filter(|pair| pair.is_err()).count();
+        assert!((2..=8).contains(&failed), "some materials reflect more light than they receive: {failed}");
+        let mut second = renderer();
+        for (item, pair) in pairs.iter().enumerate().rev() {
+            let again = made(&mut one, &mut second, item as u32);
+            let (Ok(pair), Ok(again)) = (pair, &again) else {
+                assert!(pair.is_err() && again.is_err(), "{item}");
+                continue;
+            };
+            assert_eq!(again.record, pair.record);
+            assert_eq!(again.pair.right.rgba8, pair.pair.right.rgba8);
+            assert_eq!(
+                again.truth.as_ref().unwrap().left.shading_normal,
+                pair.truth.as_ref().unwrap().left.shading_normal
+            );
+            assert_eq!(again.camera, pair.camera);
+        }
+        let alone = (0..12).find(|&item| pairs[item as usize].is_ok()).unwrap();
+        let pair = made(&mut maker(), &mut second, alone).unwrap();
+        assert_eq!(pair.record, pairs[alone as usize].as_ref().unwrap().record);
+        assert_eq!(one.scenes_read(), if one.scene_of(0) == 0 { [0, 1] } else { [1, 0] });
+    }
+
+    #[test]
+    fn the_spec_with_its_defaults_is_the_same_spec() {
+        let spec = maker().spec().clone();
+        let text = spec.to_json();
+        assert!(text.contains("\"shard_pairs\":64") && text.contains("\"weight\":2.0"), "{text}");
+        assert_eq!(Spec::from_json(&text, ".").unwrap().to_json(), text);
+    }
+
+    #[test]
+    fn a_changed_or_missing_scene_is_refused() {
+        let mut one = maker();
+        let hash = one.scene_sha256(1).unwrap();
+        let mut other = maker();
+        other.expect_hashes(&[Some("0".repeat(64)), Some(hash)]);
+        assert!(other.scene(1).is_ok());
+        let message = other.scene(0).err().unwrap().to_string();
+        assert_eq!(message, "scenes[0]: builtin:hall-finished: it has changed since the data set was begun");
+        assert!(other.scene(2).err().unwrap().to_string().contains("the spec has 2 scenes"));
+        let file = r#"{"pairs": 1, "scenes": [{"file": "no/such.obj"}]}"#;
+        let message = PairMaker::new(Spec::from_json(file, "folder").unwrap()).scene(0).err().unwrap().to_string();
+        assert!(message.starts_with("scenes[0]: folder/no/such.obj: "), "{message}");
+    }
+}

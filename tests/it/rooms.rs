@@ -9,7 +9,7 @@ use std::{
 use crate::common::files_below;
 
 /// The modules and single files of src/, from the lowest to the highest.
-const FLOORS: [&str; 22] = [
+const FLOORS: [&str; 23] = [
     "message",
     "error",
     "random",
@@ -30,6 +30,7 @@ const FLOORS: [&str; 22] = [
     "render",
     "truth",
     "output",
+    "dataset",
     "blocking",
     "testing",
 ];

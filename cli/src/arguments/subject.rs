@@ -142,6 +142,11 @@ impl Subject {
         }
     }
 
+    /// Returns the scene's name in data sets: its file, or `builtin:NAME`.
+    pub(crate) fn scene_name(&self) -> String {
+        self.scene.to_string_lossy().into_owned()
+    }
+
     /// Returns whether an option sets the screen distance.
     pub(crate) fn screen_is_said(&self) -> bool {
         self.camera.screen.is_some() || self.camera.cameras.is_some() || self.camera.calib.is_some()

@@ -1,22 +1,19 @@
 //! `dataset`: renders pairs with ground truth for stereo vision, in the folders and formats that loaders expect.
 
 use std::{
-    collections::BTreeSet,
     error::Error,
-    fmt::Display,
-    fs::{self, File, OpenOptions},
-    io::{Read as _, Seek as _, SeekFrom, Write as _},
+    fs,
     ops::Range,
     path::{Path, PathBuf},
     time::Instant,
 };
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use stereotrace::{
-    GroundTruth, Occlusion, StereoCamera, StereoPair,
+    Channel, Renderer, Setting, StereoCamera,
     blocking::Wait,
-    dataset::{FreePoses, Layout},
+    dataset::{Layout, PairMaker, Spec},
     message::counted,
     output::{Batch, ExrColor},
 };
@@ -24,6 +21,7 @@ use stereotrace::{
 use super::motion::{Motion, MotionArguments};
 use crate::{
     arguments::{Global, Stage, Subject, above_zero, frames},
+    manifest::{MANIFEST, Manifest},
     progress::Progress,
     record, shown,
     stop::{Interrupted, Stop},
@@ -31,9 +29,6 @@ use crate::{
     target::Target,
 };
 
-const MANIFEST: &str = "manifest.jsonl";
-/// Default limit of disparities, as a share of the width. Stereo matchers rarely search farther.
-const MOST_DISPARITY: f32 = 0.2;
 /// Default number of pairs.
 const PAIRS: u32 = 20;
 
@@ -82,7 +77,6 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     if !arguments.subject.screen_is_said() {
         stage.camera = stage.camera.parallel()?;
     }
-    stage.options = stage.options.linear(arguments.exr);
     let motion = arguments.motion.motion(&arguments.subject, stage.camera)?;
     let count = motion.as_ref().map_or(arguments.pairs.unwrap_or(PAIRS), Motion::frames);
     let range = arguments.items.clone().unwrap_or(0..count);
@@ -94,6 +88,13 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut manifest = Manifest::open(&folder, &record::of(&arguments.subject, &stage.scene, &settings)?)?;
     let pending = Vec::from_iter(range.clone().filter(|item| !manifest.done.contains(item)));
 
+    let spec = spec(arguments, &stage, count, motion.is_some())?;
+    let Stage { scene, uploaded, camera, mut renderer, .. } = stage;
+    let mut maker = PairMaker::new(spec).with_scene(scene, uploaded);
+    if arguments.exr {
+        maker = maker.also(&[Channel::Linear]);
+    }
+
     let begin = Instant::now();
     let mut progress = Progress::new(global, pending.len() as u32);
     let mut failed = Vec::new();
@@ -104,7 +105,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         }
         // Another command may have rendered this pair already.
         if !manifest.has(item)? {
-            match make(arguments, &mut stage, motion.as_ref(), item, &folder, &mut progress) {
+            match make(arguments, (&mut maker, &mut renderer), (camera, motion.as_ref()), item, &folder, &mut progress)
+            {
                 Ok(line) => made += usize::from(manifest.add(item, &line)?),
                 Err(error) => {
                     // A failed pair does not stop the others. The next run tries it again.
@@ -134,7 +136,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     );
     let json = json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "adapter": stage.renderer.gpu().adapter_name(),
+        "adapter": renderer.gpu().adapter_name(),
         "layout": arguments.layout.name(),
         "rendered": made,
         "kept": kept,
@@ -144,11 +146,45 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     Ok(Summary { text, json, to_stderr: false })
 }
 
+/// Returns the spec of the arguments. Its only scene is the one that the stage has.
+fn spec(arguments: &Arguments, stage: &Stage, count: u32, has_motion: bool) -> Result<Spec, Box<dyn Error>> {
+    let options = &stage.options;
+    let elsewhere = ["seed", "exposure", "count"];
+    let settings = Setting::ALL.iter().filter(|setting| !elsewhere.contains(&setting.name));
+    let render = settings.map(|setting| Ok((setting.name.to_owned(), options.get(setting.name)?.into())));
+    let render = render.collect::<Result<Map<_, Value>, stereotrace::Error>>()?;
+    let poses = match has_motion {
+        true => json!({ "kind": "fixed" }),
+        false => json!({ "clearance": arguments.clearance, "max_disparity": arguments.max_disparity }),
+    };
+    let mut scene = json!({ "file": arguments.subject.scene_name() });
+    if stage.scene.lights.is_empty() {
+        scene["lights"] = json!(0); // else a spec places lights
+    }
+    let spec = json!({
+        "seed": options.seed,
+        "pairs": count,
+        "format": arguments.layout.name(),
+        "size": stage.camera.pose()?.size,
+        "scenes": [scene],
+        "poses": poses,
+        "randomise": { "exposure": options.exposure },
+        "render": render,
+    });
+    Spec::from_json(&spec.to_string(), "").map_err(|error| match error {
+        // The keys have the names of the arguments.
+        stereotrace::Error::Spec { key, reason, .. } => {
+            format!("{}: {reason}", key.rsplit('.').next().unwrap_or_default()).into()
+        }
+        other => other.into(),
+    })
+}
+
 /// Renders one pair and writes its files. Returns its line of the manifest.
 fn make(
     arguments: &Arguments,
-    stage: &mut Stage,
-    motion: Option<&Motion>,
+    (maker, renderer): (&mut PairMaker, &mut Renderer),
+    (camera, motion): (StereoCamera, Option<&Motion>),
     item: u32,
     folder: &Path,
     progress: &mut Progress,
@@ -156,179 +192,25 @@ fn make(
     let (camera, tries) = match motion {
         Some(motion) => (motion.at(item), None),
         None => {
-            let (camera, tries) = random_camera(arguments, stage, item)?;
-            (camera, Some(tries))
+            let found = maker.free_pose(renderer, item, camera).wait()?;
+            (found.camera, Some(found.tries))
         }
     };
-    let pair = stage.render(camera, stage.options.clone(), progress)?;
-    let truth = stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair).wait()?;
+    let made = maker.pair_from(renderer, item, camera, tries, &mut |now| progress.show(now)).wait()?;
+    let truth = made.truth.as_ref().ok_or("a layout needs ground truth")?;
     let mut batch = Batch::new();
-    arguments.layout.add(&mut batch, folder, item, &pair, &truth)?;
+    arguments.layout.add(&mut batch, folder, item, &made.pair, truth)?;
     let more = |kind: &str| -> Result<PathBuf, Box<dyn Error>> {
         fs::create_dir_all(folder.join(kind)).map_err(|error| format!("{}: {error}", shown(&folder.join(kind))))?;
         Ok(folder.join(kind).join(format!("{item:06}.{}", if kind == "exr" { "exr" } else { "json" })))
     };
-    batch.add_camera_json(more("cameras")?, &pair.pose)?;
+    batch.add_camera_json(more("cameras")?, &made.pair.pose)?;
     if arguments.exr {
-        batch.add_exr(more("exr")?, &pair, Some(&truth), ExrColor::Half)?;
+        batch.add_exr(more("exr")?, &made.pair, Some(truth), ExrColor::Half)?;
     }
     let files = batch.commit()?;
     let files = files.iter().map(|file| file.strip_prefix(folder).unwrap_or(file).to_string_lossy());
-    let files = Vec::from_iter(files);
-    Ok(json!({
-        "item": item,
-        "files": files,
-        "tries": tries,
-        "eye": pair.pose.eye.to_array(),
-        "forward": pair.pose.forward.to_array(),
-        "up": pair.pose.up.to_array(),
-        "interaxial": pair.pose.interaxial,
-        "method": pair.statistics.method.to_string(),
-        "retraced_share": pair.statistics.retraced_share(),
-        "left": figures(&truth, &pair),
-    }))
-}
-
-fn random_camera(arguments: &Arguments, stage: &Stage, item: u32) -> Result<(StereoCamera, u32), Box<dyn Error>> {
-    let limit = arguments.max_disparity.unwrap_or(MOST_DISPARITY * stage.camera.pose()?.size[0] as f32);
-    let mut poses = FreePoses::new(&stage.scene, stage.camera, stage.options.seed)?;
-    poses = poses.disparity(limit.min(arguments.layout.disparity_limit()));
-    if let Some(distance) = arguments.clearance {
-        poses = poses.clearance(distance);
-    }
-    let found = poses.find(&stage.renderer, &stage.uploaded, item).wait()?;
-    Ok((found.camera, found.tries))
-}
-
-/// Returns figures of a left view for the manifest: shares of hidden, out-of-frame and sky pixels in percent, the
-/// range of disparities in pixels, and the nearest depth in world units.
-fn figures(truth: &GroundTruth, pair: &StereoPair) -> Value {
-    let left = &truth.left;
-    let percent = |count: usize| 100.0 * count as f64 / left.depth.len() as f64;
-    let of = |kind: Occlusion| percent(left.occlusion.iter().filter(|found| **found == kind).count());
-    let surfaces = left.disparity.iter().zip(left.surfaces()).filter(|(_, is_surface)| *is_surface);
-    let range = surfaces.fold(None, |range: Option<(f32, f32)>, (&disparity, _)| {
-        let (low, high) = range.unwrap_or((disparity, disparity));
-        Some((low.min(disparity), high.max(disparity)))
-    });
-    let nearest = pair.left.depth_range().0;
-    json!({
-        "hidden_percent": of(Occlusion::Hidden),
-        "out_of_frame_percent": of(Occlusion::OutOfFrame),
-        "sky_percent": percent(left.sky().iter().filter(|is_sky| **is_sky).count()),
-        "disparity": range.map(|(low, high)| [low, high]),
-        "nearest_depth": Some(nearest).filter(|depth| depth.is_finite()),
-    })
-}
-
-/// The manifest has one line with settings and input hashes, then one line for each pair. Several commands may write it
-/// at the same time. Each command locks the file, reads the lines that others have added, and then adds its own lines.
-struct Manifest {
-    folder: PathBuf,
-    path: PathBuf,
-    /// Pairs whose files exist.
-    done: BTreeSet<u32>,
-    /// Number of bytes and lines read so far.
-    read: u64,
-    lines: usize,
-}
-
-impl Manifest {
-    /// Begins a manifest, or continues one whose first line is `record`.
-    ///
-    /// # Errors
-    /// Fails if the folder's manifest has another first line.
-    fn open(folder: &Path, record: &Value) -> Result<Self, Box<dyn Error>> {
-        let path = folder.join(MANIFEST);
-        let mut manifest = Self { folder: folder.to_owned(), path, done: BTreeSet::new(), read: 0, lines: 0 };
-        let mut file = manifest.locked()?;
-        manifest.catch_up(&mut file, Some(record))?;
-        if manifest.lines == 0 {
-            manifest.write(&mut file, record)?;
-        }
-        Ok(manifest)
-    }
-
-    /// Returns whether any command has finished this pair.
-    fn has(&mut self, item: u32) -> Result<bool, Box<dyn Error>> {
-        let mut file = self.locked()?;
-        self.catch_up(&mut file, None)?;
-        Ok(self.done.contains(&item))
-    }
-
-    /// Adds a pair's line and syncs it to disk. Returns false if another command has meanwhile rendered the pair and
-    /// added its line.
-    fn add(&mut self, item: u32, line: &Value) -> Result<bool, Box<dyn Error>> {
-        let mut file = self.locked()?;
-        self.catch_up(&mut file, None)?;
-        if self.done.contains(&item) {
-            return Ok(false);
-        }
-        self.write(&mut file, line)?;
-        if line.get("files").is_some() {
-            self.done.insert(item);
-        }
-        Ok(true)
-    }
-
-    /// Opens and locks the file. Dropping the returned file releases the lock.
-    fn locked(&self) -> Result<File, Box<dyn Error>> {
-        let opened = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(&self.path);
-        let file = opened.map_err(|error| self.fault(&error))?;
-        if let Err(error) = fs4::FileExt::lock(&file) {
-            // Some network file systems do not support locks. A single command does not need one.
-            log::warn!("{}: it can't be locked ({error}); do not let another command write there", shown(&self.path));
-        }
-        Ok(file)
-    }
-
-    fn fault(&self, error: &impl Display) -> Box<dyn Error> {
-        format!("{}: {error}", shown(&self.path)).into()
-    }
-
-    /// Reads the lines added since the last call. If `head` is given, it must be the file's first line.
-    fn catch_up(&mut self, file: &mut File, head: Option<&Value>) -> Result<(), Box<dyn Error>> {
-        let mut bytes = Vec::new();
-        let found = file.seek(SeekFrom::Start(self.read)).and_then(|_| file.read_to_end(&mut bytes));
-        found.map_err(|error| self.fault(&error))?;
-        // A killed process may leave an incomplete line, which is removed.
-        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
-        if whole < bytes.len() {
-            file.set_len(self.read + whole as u64).map_err(|error| self.fault(&error))?;
-        }
-        for line in bytes[..whole].split(|&byte| byte == b'\n').filter(|line| !line.is_empty()) {
-            let line: Result<Value, _> = serde_json::from_slice(line);
-            if let (0, Some(head)) = (self.lines, head)
-                && !line.as_ref().is_ok_and(|line| line == head)
-            {
-                let advice = "was made with different files, settings or version; use another folder";
-                return Err(format!("{}: the data set there {advice}", shown(&self.path)).into());
-            }
-            self.lines += 1;
-            let line = line.map_err(|error| format!("{}:{}: {error}", shown(&self.path), self.lines))?;
-            let files = line["files"].as_array().map(Vec::as_slice).unwrap_or_default();
-            let is_there = |file: &Value| file.as_str().is_some_and(|name| self.folder.join(name).is_file());
-            if let Some(item) = line["item"].as_u64()
-                && !files.is_empty()
-                && files.iter().all(is_there)
-            {
-                self.done.insert(item as u32);
-            }
-        }
-        self.read += whole as u64;
-        Ok(())
-    }
-
-    /// Writes a line after those that were read.
-    fn write(&mut self, file: &mut File, line: &Value) -> Result<(), Box<dyn Error>> {
-        let text = format!("{line}\n");
-        let written = file.seek(SeekFrom::Start(self.read)).and_then(|_| {
-            file.write_all(text.as_bytes())?;
-            file.sync_all()
-        });
-        written.map_err(|error| self.fault(&error))?;
-        self.read += text.len() as u64;
-        self.lines += 1;
-        Ok(())
-    }
+    let mut line = serde_json::to_value(&made.record)?;
+    line["files"] = Vec::from_iter(files).into();
+    Ok(line)
 }

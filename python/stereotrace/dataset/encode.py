@@ -13,7 +13,7 @@ import numpy as np
 from stereotrace import StereoPair, encode_png
 
 from .._needs import needs
-from .spec import Spec, eye_outputs
+from .spec import Spec
 from .store import Written
 
 
@@ -22,7 +22,7 @@ def files(pair: StereoPair, spec: Spec, record: dict[str, Any]) -> dict[str, byt
 
     Colours and uint8 maps are PNG. All other arrays are NPY, or NPY with gzip. JSON has the camera and the record."""
     found = {}
-    for eye, output in eye_outputs(spec["outputs"]):
+    for eye, output in spec.checked.arrays:
         array = getattr(pair.left if eye == "left" else pair.right, output)
         if output == "color":
             found[f"{eye}.png"] = encode_png(array)

@@ -18,12 +18,13 @@ from pathlib import Path
 from typing import IO, Any, Callable
 
 import stereotrace
-from stereotrace import DeviceLostError, Scene
+from stereotrace import DeviceLostError
 
 from .._needs import needs
+from .._stereotrace import PairMaker
 from .spec import Spec, canonical
 from .store import Store
-from .worker import COPIES, SCENE_MEMORY, Worker, open_scene, scene_files, scene_hash
+from .worker import SCENE_MEMORY, Worker, scene_files
 
 log = logging.getLogger("stereotrace.dataset")
 
@@ -93,9 +94,8 @@ class DataSet:
     def __init__(self, spec: Spec, store: Store, scene_memory: int = 0) -> None:
         self.spec = spec
         self.store = store
-        self.opened: dict[int, Scene] = {}
-        """Scenes that were read for their hashes, up to ``scene_memory``, for a worker of this process."""
-        self._scene_memory = scene_memory
+        self.maker: PairMaker | None = PairMaker(spec.checked, scene_memory)
+        """Keeps scenes that were read for their hashes, up to ``scene_memory``, for a worker of this process."""
         store.make_folder()
         there = self._there()
         self.head, self._scene_files = self._head(there)
@@ -137,12 +137,9 @@ class DataSet:
                 files.append(found)
                 continue
             try:
-                scene = open_scene(self.spec, index)
-                known["sha256"] = scene_hash(self.spec, index, scene)
-                self.opened[index] = scene
-                if COPIES * sum(one.memory for one in self.opened.values()) > self._scene_memory:
-                    del self.opened[index]
-            except (ValueError, OSError) as error:
+                assert self.maker is not None
+                known["sha256"] = self.maker.scene_sha256(index)
+            except ValueError as error:
                 log.warning("%s", error)
                 known["error"] = str(error)
                 found = None  # the next run reads it again
@@ -381,7 +378,7 @@ def make(
     first: list[float] = []
 
     def rows(tell: Callable[[int], None]) -> Iterator[dict[str, Any]]:
-        worker = Worker(spec, data_set.hashes, adapter, scene_memory, data_set.opened) if pending else None
+        worker = Worker(spec, data_set.hashes, adapter, scene_memory, data_set.maker) if pending else None
         for shard in pending:
             try:
                 assert worker is not None

@@ -13,25 +13,17 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Callable, Iterator
 
-import stereotrace
-from stereotrace import AdapterError, DeviceLostError, LimitError, Material, Renderer, Scene, StereoPair
+from stereotrace import AdapterError, DeviceLostError, LimitError, Renderer, StereoPair
 
+from .._stereotrace import PairMaker
 from . import encode
-from .items import Item
 from .spec import ONE_ROOT, Spec
 from .store import Store
 
 log = logging.getLogger("stereotrace.dataset")
 
-# Outputs that the files of a layout need.
-LAYOUT_OUTPUTS = ["color", "disparity", "occlusion"]
-
-
 SCENE_MEMORY = 2**30
 """Default memory in bytes for the scenes that a worker keeps. The current scene is always kept."""
-COPIES = 3
-"""Memory of a scene on the host and on a software device together, as a multiple of ``Scene.memory``. 1.8 and 2.9 were
-measured on a million triangles."""
 WAITING_MEMORY = 2**28
 """Size in bytes from which files that wait for their place in a shard go to disk."""
 MOST_FILES = 10_000
@@ -65,63 +57,6 @@ def _stamp(path: Path) -> tuple[str, int, int]:
     return str(path), known.st_size, known.st_mtime_ns
 
 
-def open_scene(spec: Spec, scene: int) -> Scene:
-    """Opens a scene of a spec, without drawn values."""
-    entry, path = spec["scenes"][scene], spec.scene_path(scene)
-    if path is None:
-        found = Scene.builtin(entry["builtin"])
-    else:
-        found = Scene.open(
-            path,
-            crease_angle=entry.get("crease_angle"),
-            missing_textures=entry.get("missing_textures", "error"),
-            outside_files=entry.get("outside_files", "refuse"),
-            origin=entry.get("origin"),
-        )
-    sky = entry.get("sky")
-    if sky == "procedural":
-        found.set_sky_map(sky)
-    elif isinstance(sky, str):
-        found.set_sky_map(spec.folder / sky)
-    elif sky is not None:
-        found.set_sky(sky)
-    return found
-
-
-def scene_hash(spec: Spec, scene: int, found: Scene) -> str:
-    """Returns a hash of everything that pictures of a scene depend on: its content and its camera in the spec."""
-    camera = Item.camera_of(spec, scene, found).to_json()
-    return hashlib.sha256(f"{found.sha256()} {camera}".encode()).hexdigest()
-
-
-class SceneChanged(ValueError):
-    """A scene file has changed since the data set was begun."""
-
-
-class Stage:
-    """A scene that pairs are rendered from, one after the other."""
-
-    def __init__(self, spec: Spec, scene: int, sha256: str | None, opened: Scene | None) -> None:
-        self.scene = open_scene(spec, scene) if opened is None else opened
-        if opened is None and sha256 is not None and scene_hash(spec, scene, self.scene) != sha256:
-            raise SceneChanged(f"{spec.scene_path(scene)}: it has changed since the data set was begun")
-        self._materials: list[Material] = self.scene.materials
-        self._shown = list(self._materials)
-        self._lights = self.scene.lights
-        self._ambient = self.scene.given_ambient
-
-    def dress(self, item: Item, camera: stereotrace.Camera) -> None:
-        """Sets the item's lights, ambient light and materials, whatever the previous item set."""
-        self.scene.lights = item.lights(self.scene, self._lights, camera)
-        ambient = item.ambient()
-        self.scene.ambient = self._ambient if ambient is None else ambient
-        for place, own in enumerate(self._materials):
-            drawn = item.material(place, own)
-            if drawn != self._shown[place]:
-                self.scene.set_material(place, drawn)
-                self._shown[place] = drawn
-
-
 class Waiting:
     """Files of pairs that wait for their place in a shard."""
 
@@ -152,8 +87,8 @@ class Worker:
     """Makes pairs and shards of a spec.
 
     ``hashes`` are those of the scenes when the data set was begun, ``None`` for one that could not be read. The most
-    recently used scenes stay in memory and on the device, up to ``scene_memory`` bytes. ``opened`` are scenes that were
-    already read with these hashes, which the worker uses."""
+    recently used scenes stay in memory and on the device, up to ``scene_memory`` bytes. ``maker`` may have read some
+    scenes already."""
 
     def __init__(
         self,
@@ -161,79 +96,18 @@ class Worker:
         hashes: list[str | None] | None = None,
         adapter: str | None = None,
         scene_memory: int = SCENE_MEMORY,
-        opened: dict[int, Scene] | None = None,
+        maker: PairMaker | None = None,
     ) -> None:
         self.spec = spec
-        self._opened = {} if opened is None else opened
-        self._hashes = hashes or [None] * len(spec["scenes"])
+        self.maker = PairMaker(spec.checked, scene_memory) if maker is None else maker
+        self.maker.expect_hashes(hashes or [])
         self._adapter = adapter
-        self._scene_memory = scene_memory
-        self._stages: dict[int, Stage] = {}
-        self._faults: dict[int, Exception] = {}
-        self.renderer = self._new_renderer()
-
-    def _new_renderer(self) -> Renderer:
-        # The renderer keeps every scene; only `_stages` drops some.
-        return Renderer(self._adapter, kept_scenes=len(self.spec["scenes"]) + 1)
-
-    def _stage(self, scene: int) -> Stage:
-        if scene in self._faults:
-            raise self._faults[scene].with_traceback(None)
-        stage = self._stages.pop(scene, None)
-        if stage is None:
-            try:
-                stage = Stage(self.spec, scene, self._hashes[scene], self._opened.pop(scene, None))
-            except (ValueError, OSError) as error:
-                self._faults[scene] = error  # avoids reading it again for every pair
-                raise
-        self._stages[scene] = stage
-        while (
-            len(self._stages) > 1
-            and COPIES * sum(one.scene.memory for one in self._stages.values()) > self._scene_memory
-        ):
-            self.renderer.release(self._stages.pop(next(iter(self._stages))).scene)
-        return stage
+        self.renderer = Renderer(adapter)
 
     def pair(self, number: int) -> tuple[StereoPair, dict[str, Any]]:
         """Renders a pair. Returns it with its record: camera, method, disparity range. Raises as rendering does."""
-        item = Item(self.spec, number)
-        place = item.scene()
-        stage = self._stage(place)
-        camera, tries = item.camera(self.renderer, stage.scene)
-        stage.dress(item, camera)
-        options = {**self.spec["render"], "exposure": item.exposure()}
-        options.setdefault("seed", (self.spec["seed"] + number) % 2**32)
-        pair = self.renderer.render(stage.scene, camera, outputs=self.outputs(), **options)
-        return pair, self._record(number, place, pair, tries)
-
-    def outputs(self) -> list[str]:
-        """Returns the outputs to render: the spec's arrays without eyes, and those that the record needs."""
-        if self.spec.is_layout:
-            return LAYOUT_OUTPUTS
-        names = [name.rpartition(".")[2] for name in self.spec["outputs"]]
-        return sorted({*names, "color", "disparity"}, key=stereotrace.OUTPUTS.index)
-
-    def _record(self, number: int, scene: int, pair: StereoPair, tries: int) -> dict[str, Any]:
-        camera, statistics = pair.camera, pair.statistics
-        record: dict[str, Any] = {
-            "item": number,
-            "scene": self.spec.scene_name(scene),
-            "eye": camera.eye,
-            "forward": camera.forward,
-            "up": camera.up,
-            "interaxial": camera.interaxial,
-            "tries": tries,
-            "method": statistics["method"],
-            "retraced_share": statistics["retraced_share"],
-        }
-        arrays = pair.left.arrays()
-        disparity = arrays["disparity"]
-        record["disparity"] = [float(disparity.min()), float(disparity.max())]
-        if "occlusion" in arrays:
-            hidden = arrays["occlusion"]
-            record["hidden_percent"] = 100.0 * float((hidden == 1).mean())
-            record["out_of_frame_percent"] = 100.0 * float((hidden == 2).mean())
-        return record
+        pair, record = self.maker.pair(self.renderer, number)
+        return pair, json.loads(record)
 
     def _pair_once_more(self, number: int) -> tuple[StereoPair, dict[str, Any]]:
         """Renders a pair. If the device is lost, tries once more on a new one."""
@@ -241,7 +115,7 @@ class Worker:
             return self.pair(number)
         except DeviceLostError as error:
             log.warning("item %d: %s; retrying on a new device", number, error)
-            self.renderer = self._new_renderer()
+            self.renderer = Renderer(self._adapter)
             return self.pair(number)
 
     def shard(self, number: int, store: Store, done: Callable[[int], None] = lambda item: None) -> dict[str, Any]:
@@ -271,11 +145,11 @@ class Worker:
 
     def _by_scene(self, items: Iterable[int]) -> list[int]:
         """Returns the items sorted by scene, so that no scene is read twice. Kept scenes come first."""
-        scenes = {item: Item(self.spec, item).scene() for item in items}
+        scenes = {item: self.maker.scene_of(item) for item in items}
         first: dict[int, int] = {}
         for item, scene in scenes.items():
             first.setdefault(scene, item)
-        return sorted(scenes, key=lambda item: (scenes[item] not in self._stages, first[scenes[item]], item))
+        return sorted(scenes, key=lambda item: (not self.maker.has_scene(scenes[item]), first[scenes[item]], item))
 
     def _each(
         self,

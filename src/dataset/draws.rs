@@ -1,0 +1,144 @@
+//! Draws the random values of a pair. A value depends only on the seed, the pair's number and the value's name.
+
+use serde::Serialize;
+use sha2::{Digest as _, Sha256};
+
+use super::spec::Distance;
+
+/// Number of places from which random lights are chosen.
+pub(super) const PLACES: u32 = 16;
+
+/// A value, or a distribution of values.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Drawn<T> {
+    /// Evenly distributed from the first to the second.
+    Uniform([T; 2]),
+    /// With evenly distributed logarithms.
+    LogUniform([T; 2]),
+    Choice(Vec<T>),
+    #[serde(untagged)]
+    Value(T),
+}
+
+/// Values of which ranges exist.
+pub(super) trait Span: Copy {
+    /// Returns the value at a share of the range, 0 to 1.
+    fn between(low: Self, high: Self, share: f64) -> Self;
+    /// Returns the value at a share of the range of logarithms.
+    fn log_between(low: Self, high: Self, share: f64) -> Self;
+}
+
+impl Span for f64 {
+    fn between(low: Self, high: Self, share: f64) -> Self {
+        rounded(low + share * (high - low))
+    }
+
+    fn log_between(low: Self, high: Self, share: f64) -> Self {
+        rounded((low.ln() + share * (high / low).ln()).exp())
+    }
+}
+
+impl Span for Distance {
+    fn between(low: Self, high: Self, share: f64) -> Self {
+        Self(f64::between(low.0, high.0, share))
+    }
+
+    fn log_between(low: Self, high: Self, share: f64) -> Self {
+        Self(f64::log_between(low.0, high.0, share))
+    }
+}
+
+impl Span for u32 {
+    fn between(low: Self, high: Self, share: f64) -> Self {
+        ((f64::from(low) + share * (f64::from(high) + 1.0 - f64::from(low))) as Self).min(high)
+    }
+
+    fn log_between(low: Self, high: Self, share: f64) -> Self {
+        let (low, next) = (f64::from(low), f64::from(high) + 1.0);
+        ((low * (next / low).powf(share)) as Self).min(high)
+    }
+}
+
+/// Rounds to 7 digits, the precision of f32, since the last bits of logarithms and sines differ between machines.
+pub(super) fn rounded(value: f64) -> f64 {
+    format!("{value:.6e}").parse().unwrap_or(value)
+}
+
+/// The random values of one pair.
+pub(super) struct Draws {
+    pub(super) seed: u32,
+    pub(super) item: u32,
+}
+
+impl Draws {
+    /// Returns the random number of this name, from 0 up to 1, excluding 1. Other draws do not affect it.
+    pub(super) fn unit(&self, name: &str) -> f64 {
+        let hash = Sha256::digest(format!("{}/{}/{name}", self.seed, self.item));
+        let bits = hash.iter().take(8).fold(0, |bits, &byte| (bits << 8) | u64::from(byte));
+        (bits >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub(super) fn draw<T: Span>(&self, value: &Drawn<T>, name: &str) -> T {
+        match value {
+            Drawn::Value(value) => *value,
+            Drawn::Uniform([low, high]) => T::between(*low, *high, self.unit(name)),
+            Drawn::LogUniform([low, high]) => T::log_between(*low, *high, self.unit(name)),
+            Drawn::Choice(choices) => choices[(self.unit(name) * choices.len() as f64) as usize],
+        }
+    }
+
+    /// Draws an index by weights.
+    pub(super) fn weighted(&self, weights: &[f64], name: &str) -> usize {
+        let mut left = self.unit(name) * weights.iter().sum::<f64>();
+        for (index, &weight) in weights.iter().enumerate() {
+            if left < weight {
+                return index;
+            }
+            left -= weight;
+        }
+        weights.iter().rposition(|&weight| weight > 0.0).unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn draws() -> impl Iterator<Item = Draws> {
+        (0..2000).map(|item| Draws { seed: 11, item })
+    }
+
+    #[test]
+    fn numbers_are_the_same_on_every_machine() {
+        assert_eq!(Draws { seed: 11, item: 5 }.unit("scene"), 0.099_475_730_580_633_97);
+    }
+
+    #[test]
+    fn draws_fill_their_ranges() {
+        let units: Vec<f64> = draws().map(|draws| draws.unit("x")).collect();
+        let mean = units.iter().sum::<f64>() / units.len() as f64;
+        assert!(units.iter().any(|&unit| unit < 0.01) && units.iter().any(|&unit| unit > 0.99));
+        assert!((mean - 0.5).abs() < 0.03, "{mean}");
+        let others: Vec<f64> = draws().map(|draws| draws.unit("y")).collect();
+        let product = units.iter().zip(&others).map(|(x, y)| (x - 0.5) * (y - 0.5)).sum::<f64>() / units.len() as f64;
+        assert!(product.abs() < 0.06 / 12.0, "a variance is 1/12, and the correlation at most 0.06: {product}");
+        for (range, most) in [(Drawn::Uniform([1, 3]), 800), (Drawn::LogUniform([1, 3]), 1100)] {
+            let mut counts = [0; 4];
+            draws().for_each(|draws| counts[draws.draw(&range, "count") as usize] += 1);
+            assert!(counts[0] == 0 && counts[1..].iter().all(|&count| (100..most).contains(&count)), "{counts:?}");
+        }
+        let chosen: Vec<u32> = draws().map(|draws| draws.draw(&Drawn::Choice(vec![1, 2, 5]), "z")).collect();
+        assert!([1, 2, 5].iter().all(|choice| chosen.contains(choice)));
+        let logs = draws().map(|draws| draws.draw(&Drawn::LogUniform([0.01, 1.0]), "z").ln());
+        let mean = logs.sum::<f64>() / 2000.0;
+        assert!((mean - 0.1_f64.ln()).abs() < 0.1, "{mean}");
+        let second = draws().filter(|draws| draws.weighted(&[1.0, 2.0, 0.0], "scene") == 1).count();
+        assert!((second as f64 / 2000.0 - 2.0 / 3.0).abs() < 0.04, "{second}");
+    }
+
+    #[test]
+    fn values_have_seven_digits() {
+        assert_eq!((rounded(0.123_456_789), rounded(-123_456_789.0), rounded(0.0)), (0.123_456_8, -123_456_800.0, 0.0));
+    }
+}

@@ -1,0 +1,330 @@
+//! Makes the pairs of a spec.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::{Spec, draws::Draws, poses::RandomPose, stage::Stage};
+use crate::{
+    Channel, Error, GroundTruth, Maker, Occlusion, OnProgress, Renderer, Scene, StereoCamera, StereoPair, UploadedScene,
+};
+
+/// Default memory in bytes for the scenes that are kept.
+const SCENE_MEMORY: usize = 1 << 30;
+/// Memory of a scene on the host and on a software device together, as a multiple of [`Scene::memory`]. 1.8 and 2.9
+/// were measured on a million triangles.
+const COPIES: usize = 3;
+
+/// Makes the pairs of a spec. It reads scenes when they are needed, and keeps the most recently used ones in memory and
+/// on the device. A pair depends only on the spec and its number.
+///
+/// ```
+/// use stereotrace::{Gpu, Renderer, blocking::Wait as _, dataset::{PairMaker, Spec}};
+///
+/// let spec = r#"{"pairs": 3, "size": [64, 48], "scenes": [{"builtin": "hall"}], "render": {"samples": 4}}"#;
+/// let mut maker = PairMaker::new(Spec::from_json(spec, ".")?);
+/// let mut renderer = Renderer::new(Gpu::new().wait()?);
+/// let made = maker.pair(&mut renderer, 2, &mut |_| std::ops::ControlFlow::Continue(())).wait()?;
+/// println!("eye at {:?}", made.record.eye);
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+pub struct PairMaker {
+    spec: Spec,
+    memory: usize,
+    /// Hashes that scenes must have.
+    hashes: Vec<Option<String>>,
+    /// Channels to render besides those of the spec.
+    more: Vec<Channel>,
+    /// Scenes in memory by index, with the most recently used at the end.
+    stages: Vec<(usize, Stage)>,
+    /// Reasons why scenes can't be read. They are not read again for every pair.
+    faults: BTreeMap<usize, String>,
+    read: Vec<usize>,
+}
+
+/// A pair of a data set.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct MadePair {
+    /// The pair.
+    pub pair: StereoPair,
+    /// Its ground truth, if outputs of the spec need it.
+    pub truth: Option<GroundTruth>,
+    /// Its camera.
+    pub camera: StereoCamera,
+    /// Its figures.
+    pub record: Record,
+}
+
+/// Figures of a pair. Percentages and disparities are of the left view.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Record {
+    /// Number of the pair.
+    pub item: u32,
+    /// Name of the scene.
+    pub scene: String,
+    /// Midpoint between the eyes, world position.
+    pub eye: [f64; 3],
+    /// View direction in the world.
+    pub forward: [f64; 3],
+    /// Up direction of the picture in the world.
+    pub up: [f64; 3],
+    /// Distance between the eyes in world units.
+    pub interaxial: f64,
+    /// Number of cameras tried for the pose; `None` for a pose that was given.
+    pub tries: Option<u32>,
+    /// The method that rendered the right view.
+    pub method: String,
+    /// Share of the right view that was traced, 0 to 1.
+    pub retraced_share: f64,
+    /// Smallest and largest disparity of surfaces in pixels; `None` if there are no surfaces.
+    pub disparity: Option<[f64; 2]>,
+    /// Nearest depth in world units; `None` if there are no surfaces.
+    pub nearest_depth: Option<f64>,
+    /// Percentage of sky.
+    pub sky_percent: f64,
+    /// Percentage of pixels that an occluder hides from the right eye, if ground truth was computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hidden_percent: Option<f64>,
+    /// Percentage of pixels outside the right view, if ground truth was computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub out_of_frame_percent: Option<f64>,
+}
+
+impl PairMaker {
+    /// Creates a maker that keeps 1 GiB of scenes.
+    pub fn new(spec: Spec) -> Self {
+        let hashes = vec![None; spec.scenes.len()];
+        let (stages, faults, read) = (Vec::new(), BTreeMap::new(), Vec::new());
+        Self { spec, memory: SCENE_MEMORY, hashes, more: Vec::new(), stages, faults, read }
+    }
+
+    /// Sets the memory for kept scenes in bytes, on the host and the device together. The current scene is always kept.
+    #[must_use]
+    pub fn scene_memory(mut self, bytes: usize) -> Self {
+        self.memory = bytes;
+        self
+    }
+
+    /// Adds channels to those that the spec's outputs need.
+    #[must_use]
+    pub fn also(mut self, channels: &[Channel]) -> Self {
+        self.more.extend(channels);
+        self
+    }
+
+    /// Uses an uploaded scene as the first scene of the spec, in place of the spec's file.
+    #[must_use]
+    pub fn with_scene(mut self, scene: Scene, uploaded: UploadedScene) -> Self {
+        self.stages = vec![(0, Stage::of(scene, Some(uploaded)))];
+        self
+    }
+
+    /// Sets the hashes that scenes must have when they are read, as [`PairMaker::scene_sha256`] returns them, by the
+    /// scenes' indices. `None` accepts any content.
+    pub fn expect_hashes(&mut self, hashes: &[Option<String>]) {
+        self.hashes = (0..self.spec.scenes.len()).map(|index| hashes.get(index).cloned().flatten()).collect();
+    }
+
+    /// Returns the spec.
+    pub fn spec(&self) -> &Spec {
+        &self.spec
+    }
+
+    /// Returns the channels that pairs have: those of the spec's arrays, color and disparity, and those added by
+    /// [`PairMaker::also`].
+    pub fn channels(&self) -> Vec<Channel> {
+        let of_arrays = self.spec.arrays().iter().map(|(_, channel)| *channel);
+        let all: Vec<_> =
+            of_arrays.chain([Channel::Color, Channel::Disparity]).chain(self.more.iter().copied()).collect();
+        Channel::ALL.iter().copied().filter(|channel| all.contains(channel)).collect()
+    }
+
+    /// Returns the indices of the scenes read so far, in this order.
+    pub fn scenes_read(&self) -> &[usize] {
+        &self.read
+    }
+
+    /// Returns whether a scene is in memory.
+    pub fn has_scene(&self, index: usize) -> bool {
+        self.stages.iter().any(|(kept, _)| *kept == index)
+    }
+
+    /// Returns the index of a pair's scene.
+    pub fn scene_of(&self, item: u32) -> usize {
+        let weights: Vec<f64> = self.spec.scenes.iter().map(|scene| scene.weight).collect();
+        self.draws(item).weighted(&weights, "scene")
+    }
+
+    /// Returns a scene with the lights and materials of the last pair, and reads it if it is not in memory.
+    ///
+    /// # Errors
+    /// [`Error::Spec`] if the scene can't be read, for an index out of range, and for another hash than expected.
+    pub fn scene(&mut self, index: usize) -> Result<&Scene, Error> {
+        Ok(&self.stage(index)?.scene)
+    }
+
+    /// Returns a SHA-256 of everything that pictures of a scene depend on: its content and its camera in the spec.
+    ///
+    /// # Errors
+    /// The errors of [`PairMaker::scene`].
+    pub fn scene_sha256(&mut self, index: usize) -> Result<String, Error> {
+        self.stage(index)?;
+        let Some((_, stage)) = self.stages.last() else { unreachable!("a stage was brought") };
+        stage.sha256(&self.spec, index).map_err(|error| at_scene(index, error.to_string()))
+    }
+
+    /// Makes a pair. Scenes are uploaded to the renderer's device, to a new device too.
+    ///
+    /// # Errors
+    /// The errors of [`PairMaker::scene`], [`FreePoses::find`](super::FreePoses::find), [`Renderer::pair`] and
+    /// [`Renderer::ground_truth`].
+    pub async fn pair(
+        &mut self,
+        renderer: &mut Renderer,
+        item: u32,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<MadePair, Error> {
+        let (index, draws) = (self.scene_of(item), self.draws(item));
+        self.stage(index)?;
+        let Some((_, stage)) = self.stages.last_mut() else { unreachable!("a stage was brought") };
+        stage.bring(renderer).await?;
+        let RandomPose { camera, tries } = stage.posed(renderer, &self.spec, index, &draws).await?;
+        self.pair_from(renderer, item, camera, Some(tries), progress).await
+    }
+
+    /// Returns a random camera for a pair with the properties of `camera`, by the spec's limits for free poses.
+    ///
+    /// # Errors
+    /// The errors of [`PairMaker::scene`] and [`FreePoses::find`](super::FreePoses::find).
+    pub async fn free_pose(
+        &mut self,
+        renderer: &Renderer,
+        item: u32,
+        camera: StereoCamera,
+    ) -> Result<RandomPose, Error> {
+        let (index, draws) = (self.scene_of(item), self.draws(item));
+        self.stage(index)?;
+        let Some((_, stage)) = self.stages.last_mut() else { unreachable!("a stage was brought") };
+        stage.bring(renderer).await?;
+        stage.free(renderer, &self.spec, camera, &draws).await
+    }
+
+    /// Makes a pair from a given camera. `tries` goes to the record.
+    ///
+    /// # Errors
+    /// The errors of [`PairMaker::pair`] except those of poses.
+    pub async fn pair_from(
+        &mut self,
+        renderer: &mut Renderer,
+        item: u32,
+        camera: StereoCamera,
+        tries: Option<u32>,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<MadePair, Error> {
+        let (index, draws, channels) = (self.scene_of(item), self.draws(item), self.channels());
+        self.stage(index)?;
+        let Some((_, stage)) = self.stages.last_mut() else { unreachable!("a stage was brought") };
+        let spec = &self.spec;
+        stage.dress(spec, index, &draws, &camera)?;
+        if let Err(error) = stage.bring(renderer).await {
+            stage.undress(); // the next pair may be valid
+            return Err(error);
+        }
+        let exposure = spec.randomise.exposure.as_ref().map_or(0.0, |value| draws.draw(value, "exposure"));
+        let mut options = spec.options.clone().channels(&channels).exposure(exposure as f32);
+        if !spec.render.contains_key("seed") {
+            options = options.seed(spec.seed.wrapping_add(item));
+        }
+        let pair = renderer.pair(stage.uploaded()?, &camera).options(&options).progress(progress).read().await?;
+        let needs_truth = channels.iter().any(|channel| channel.maker() == Maker::GroundTruth);
+        let truth = match needs_truth {
+            true => Some(renderer.ground_truth(stage.uploaded()?, &stage.scene, &pair).await?),
+            false => None,
+        };
+        let record = record(item, spec.scene_name(index), &pair, truth.as_ref(), tries);
+        Ok(MadePair { pair, truth, camera, record })
+    }
+
+    fn draws(&self, item: u32) -> Draws {
+        Draws { seed: self.spec.seed, item }
+    }
+
+    /// Moves a scene to the end of the list, and reads it if it is not there.
+    fn stage(&mut self, index: usize) -> Result<&mut Stage, Error> {
+        if index >= self.spec.scenes.len() {
+            return Err(at_scene(index, format!("the spec has {} scenes", self.spec.scenes.len())));
+        }
+        let kept = self.stages.iter().position(|(kept, _)| *kept == index);
+        let stage = match kept {
+            Some(place) => self.stages.remove(place).1,
+            None => self.opened(index)?,
+        };
+        self.stages.push((index, stage));
+        let used = |stages: &[(usize, Stage)]| stages.iter().map(|(_, stage)| stage.scene.memory()).sum::<usize>();
+        while self.stages.len() > 1 && COPIES.saturating_mul(used(&self.stages)) > self.memory {
+            self.stages.remove(0);
+        }
+        let Some((_, stage)) = self.stages.last_mut() else { unreachable!("a stage was pushed") };
+        Ok(stage)
+    }
+
+    fn opened(&mut self, index: usize) -> Result<Stage, Error> {
+        if let Some(reason) = self.faults.get(&index) {
+            return Err(at_scene(index, reason.clone()));
+        }
+        self.read.push(index);
+        let checked = Stage::open(&self.spec, index).and_then(|stage| {
+            let expected = self.hashes[index].as_ref();
+            let has_changed = match expected {
+                Some(expected) => stage.sha256(&self.spec, index)? != *expected,
+                None => false,
+            };
+            Ok((stage, has_changed))
+        });
+        let reason = match checked {
+            Ok((stage, false)) => return Ok(stage),
+            Ok((_, true)) => {
+                format!("{}: it has changed since the data set was begun", self.spec.scene_name(index))
+            }
+            Err(error) => error.to_string(),
+        };
+        self.faults.insert(index, reason.clone());
+        Err(at_scene(index, reason))
+    }
+}
+
+fn at_scene(index: usize, reason: String) -> Error {
+    Error::Spec { key: format!("scenes[{index}]"), reason }
+}
+
+fn record(item: u32, scene: String, pair: &StereoPair, truth: Option<&GroundTruth>, tries: Option<u32>) -> Record {
+    let (pose, depth) = (&pair.pose, &pair.left.depth);
+    let percent = |count: usize| 100.0 * count as f64 / depth.len() as f64;
+    let of = |kind| truth.map(|truth| percent(truth.left.occlusion.iter().filter(|found| **found == kind).count()));
+    let nearest = pair.left.depth_range().0;
+    let disparities = pair.disparity();
+    let surfaces = disparities.iter().zip(depth).filter(|(_, depth)| depth.is_finite());
+    let range = surfaces.fold(None, |range: Option<[f64; 2]>, (&disparity, _)| {
+        let disparity = f64::from(disparity);
+        let [low, high] = range.unwrap_or([disparity; 2]);
+        Some([low.min(disparity), high.max(disparity)])
+    });
+    Record {
+        item,
+        scene,
+        eye: pose.eye.to_array(),
+        forward: pose.forward.to_array().map(f64::from),
+        up: pose.up.to_array().map(f64::from),
+        interaxial: f64::from(pose.interaxial),
+        tries,
+        method: pair.statistics.method.to_string(),
+        retraced_share: pair.statistics.retraced_share(),
+        disparity: range,
+        nearest_depth: Some(f64::from(nearest)).filter(|depth| depth.is_finite()),
+        sky_percent: percent(depth.iter().filter(|depth| depth.is_infinite()).count()),
+        hidden_percent: of(Occlusion::Hidden),
+        out_of_frame_percent: of(Occlusion::OutOfFrame),
+    }
+}

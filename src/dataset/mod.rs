@@ -1,0 +1,22 @@
+//! Makes data sets of stereo pairs with ground truth: specs, random values, camera poses and folder layouts.
+//!
+//! Item `i` of a data set depends only on the spec and `i`. So any item can be rendered again, on any machine and in
+//! any order.
+
+#[cfg(feature = "dataset")]
+mod draws;
+mod layout;
+#[cfg(feature = "dataset")]
+mod maker;
+mod poses;
+#[cfg(feature = "dataset")]
+mod spec;
+#[cfg(feature = "dataset")]
+mod stage;
+
+pub use layout::Layout;
+#[cfg(feature = "dataset")]
+pub use maker::{MadePair, PairMaker, Record};
+pub use poses::{FreePoses, RandomPose};
+#[cfg(feature = "dataset")]
+pub use spec::{Eye, Spec};

@@ -1,0 +1,331 @@
+//! The spec of a data set: scenes, poses, rig, random values and outputs. docs/DATA-SETS.md lists its keys.
+
+mod fields;
+mod read;
+
+use std::path::{Path, PathBuf};
+
+use serde::{Serialize, Serializer};
+use serde_json::{Map, Value};
+
+use super::{Layout, draws::Drawn};
+use crate::{Builtin, Channel, Error, Options};
+
+/// The checked spec of a data set.
+///
+/// ```
+/// use stereotrace::dataset::Spec;
+///
+/// let spec = Spec::from_json(r#"{"pairs": 100, "scenes": [{"builtin": "hall"}], "seed": 7}"#, ".")?;
+/// assert_eq!((spec.pairs(), spec.seed()), (100, 7));
+/// let wrong = Spec::from_json(r#"{"pairs": 0, "scenes": [{"builtin": "hall"}]}"#, ".").unwrap_err();
+/// assert!(wrong.to_string().starts_with("pairs: 0 must be a whole number"));
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[derive(Clone, Debug, Serialize)]
+pub struct Spec {
+    pub(super) name: String,
+    pub(super) seed: u32,
+    pub(super) pairs: u32,
+    pub(super) shard_pairs: u32,
+    pub(super) format: Format,
+    pub(super) size: [u32; 2],
+    pub(super) scenes: Vec<SceneEntry>,
+    pub(super) poses: Poses,
+    pub(super) rig: Rig,
+    pub(super) randomise: Randomise,
+    /// Options of rendering as given.
+    pub(super) render: Map<String, Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) outputs: Option<Vec<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) compress: Option<bool>,
+    /// Folder that paths of files are relative to. It is not part of the data set's identity.
+    #[serde(skip)]
+    pub(super) folder: PathBuf,
+    /// Options of rendering.
+    #[serde(skip)]
+    pub(super) options: Options,
+    /// Output arrays of the eyes, in the order of files.
+    #[serde(skip)]
+    arrays: Vec<(Eye, Channel)>,
+}
+
+/// Eye of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Eye {
+    /// The left eye.
+    Left,
+    /// The right eye.
+    Right,
+}
+
+impl Eye {
+    const ALL: [Self; 2] = [Self::Left, Self::Right];
+
+    /// Returns the name in outputs and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
+}
+
+/// Format of shards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    WebDataset,
+    Parquet,
+    Layout(Layout),
+}
+
+impl Format {
+    fn all() -> Vec<(&'static str, Self)> {
+        let layouts = Layout::ALL.iter().map(|&layout| Self::Layout(layout));
+        [Self::WebDataset, Self::Parquet].into_iter().chain(layouts).map(|format| (format.name(), format)).collect()
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::WebDataset => "webdataset",
+            Self::Parquet => "parquet",
+            Self::Layout(layout) => layout.name(),
+        }
+    }
+
+    pub(super) fn layout(self) -> Option<Layout> {
+        match self {
+            Self::Layout(layout) => Some(layout),
+            Self::WebDataset | Self::Parquet => None,
+        }
+    }
+}
+
+impl Serialize for Format {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// A scene of a spec.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct SceneEntry {
+    #[serde(flatten)]
+    pub(super) source: Source,
+    pub(super) weight: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) camera: Option<CameraEntry>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lights: Option<Lights>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) ambient: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) sky: Option<SkyEntry>,
+}
+
+/// Where a scene comes from.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum Source {
+    Builtin {
+        #[serde(serialize_with = "by_name")]
+        builtin: Builtin,
+    },
+    File {
+        file: String,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        crease_angle: Option<f64>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        missing_textures: Option<&'static str>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        outside_files: Option<&'static str>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        origin: Option<OriginEntry>,
+    },
+}
+
+fn by_name<S: Serializer>(builtin: &Builtin, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(builtin.name())
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum OriginEntry {
+    Named(&'static str),
+    At([f64; 3]),
+}
+
+/// Camera of a scene: one of its file, or a given one.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct CameraEntry {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) name: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) eye: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) target: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) up: Option<[f64; 3]>,
+}
+
+/// Lights of a scene: a number of placed ones, or given ones.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum Lights {
+    Placed(u32),
+    Given(Vec<LightEntry>),
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct LightEntry {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) position: Option<[f64; 3]>,
+    /// Direction to a light at infinity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) towards: Option<[f64; 3]>,
+    pub(super) intensity: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) radius: Option<f64>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum SkyEntry {
+    Color([f64; 3]),
+    /// A picture's file, or `procedural`.
+    Named(String),
+}
+
+/// Poses of cameras.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub(super) enum Poses {
+    Free {
+        #[serde(skip_serializing_if = "Option::is_none")]
+        clearance: Option<Drawn<f64>>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        max_disparity: Option<f64>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        min_surfaces: Option<f64>,
+    },
+    /// Angles in degrees about the camera's target, and a factor of its distance.
+    Orbit {
+        turn: Drawn<f64>,
+        rise: Drawn<f64>,
+        distance: Drawn<f64>,
+    },
+    Fixed,
+}
+
+/// Fields of the camera that replace those of the scene's.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct Rig {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) interaxial: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) interaxial_px: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) baseline: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) screen_distance: Option<Drawn<Distance>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) fov: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) fx: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) fy: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) cx: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) cy: Option<Drawn<f64>>,
+}
+
+/// A length, or infinity, which is written as `"inf"`, since JSON has no infinity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Distance(pub(super) f64);
+
+impl Serialize for Distance {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if self.0.is_infinite() { serializer.serialize_str("inf") } else { serializer.serialize_f64(self.0) }
+    }
+}
+
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct Randomise {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lights: Option<RandomLights>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) materials: Option<RandomMaterials>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) ambient: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) exposure: Option<Drawn<f64>>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct RandomLights {
+    pub(super) count: Drawn<u32>,
+    /// Total strength of the lights.
+    pub(super) strength: Drawn<f64>,
+    pub(super) tint: Drawn<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) radius: Option<Drawn<f64>>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct RandomMaterials {
+    /// Share of the materials that change.
+    pub(super) share: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) albedo: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) tint: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) specular: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) exponent: Option<Drawn<f64>>,
+}
+
+impl Spec {
+    /// Reads a spec from JSON text and fills in defaults. Paths of scene files are relative to `folder`.
+    ///
+    /// # Errors
+    /// [`Error::Spec`], which names the key, for text that is no JSON, unknown keys and invalid values.
+    pub fn from_json(text: &str, folder: impl Into<PathBuf>) -> Result<Self, Error> {
+        read::spec(text, folder.into())
+    }
+
+    /// Returns the spec with its defaults as JSON text, which [`Spec::from_json`] reads.
+    pub fn to_json(&self) -> String {
+        // Fails only for maps with keys that are no text, of which there are none.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// Returns the number of pairs.
+    pub fn pairs(&self) -> u32 {
+        self.pairs
+    }
+
+    /// Returns the seed of all random values.
+    pub fn seed(&self) -> u32 {
+        self.seed
+    }
+
+    /// Returns the output arrays of the eyes, in the order of files. A layout has color, disparity and occlusion.
+    pub fn arrays(&self) -> &[(Eye, Channel)] {
+        &self.arrays
+    }
+
+    /// Returns a scene's name in records.
+    pub(super) fn scene_name(&self, scene: usize) -> String {
+        match &self.scenes[scene].source {
+            Source::Builtin { builtin } => format!("builtin:{}", builtin.name()),
+            Source::File { file, .. } => file.clone(),
+        }
+    }
+
+    pub(super) fn path_of(&self, file: impl AsRef<Path>) -> PathBuf {
+        self.folder.join(file)
+    }
+}

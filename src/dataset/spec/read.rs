@@ -1,0 +1,481 @@
+//! Reads and checks a spec.
+
+use std::path::PathBuf;
+
+use serde_json::{Map, Value};
+
+use super::{
+    CameraEntry, Distance, Eye, Format, LightEntry, Lights, OriginEntry, Poses, RandomLights, RandomMaterials,
+    Randomise, Rig, SceneEntry, SkyEntry, Source, Spec,
+    fields::{
+        Fields, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown, text,
+        whole, within,
+    },
+};
+use crate::{
+    Builtin, Channel, Error, Maker, Method, Options,
+    dataset::draws::{Drawn, PLACES, Span},
+};
+
+/// Maximum number of pairs.
+const MOST_PAIRS: u32 = i32::MAX as u32;
+/// Maximum number of pairs in Scene Flow's layout, which numbers files with four digits.
+const SCENE_FLOW_PAIRS: u32 = 10_000;
+/// Maximum length of a side of the picture in pixels.
+const LONGEST_SIDE: u32 = 1 << 17;
+/// Maximum radius of a light at infinity in radians.
+const LARGEST_ANGLE: f64 = 1.5;
+
+pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
+    let value: Value = match serde_json::from_str(text) {
+        Ok(value) => value,
+        Err(error) => return fault("", format!("invalid JSON: {error}")),
+    };
+    let fields = Fields::of(&value, "")?;
+    let name = fields.get("name", name)?;
+    let seed = fields.get("seed", whole(0, u32::MAX))?;
+    let pairs = fields.get("pairs", whole(1, MOST_PAIRS))?;
+    let shard_pairs = fields.get("shard_pairs", whole(1, 100_000))?;
+    let format = fields.get("format", one_of(Format::all()))?.unwrap_or(Format::WebDataset);
+    let size = fields.get("size", array(whole(1, LONGEST_SIDE)))?;
+    let scenes = fields.get("scenes", scenes)?;
+    let poses = fields.get("poses", poses)?;
+    let rig = fields.get("rig", rig)?;
+    let randomise = fields.get("randomise", randomise)?;
+    let render = fields.get("render", render)?;
+    let mut outputs = fields.get("outputs", outputs)?;
+    let mut compress = fields.get("compress", flag)?;
+    fields.end()?;
+    match format.layout() {
+        Some(layout) => {
+            for (key, is_given) in [("outputs", outputs.is_some()), ("compress", compress.is_some())] {
+                if is_given {
+                    return fault(key, format!("the layout {layout} sets the files; leave this key out"));
+                }
+            }
+        }
+        None => {
+            outputs.get_or_insert_with(|| arrays(["color", "disparity", "occlusion"].map(String::from)));
+            compress.get_or_insert(false);
+        }
+    }
+    let (render, options) = render.unwrap_or_default();
+    let (names, arrays) = match outputs {
+        Some((names, arrays)) => (Some(names), arrays),
+        None => (None, arrays(["color", "disparity", "occlusion"].map(String::from)).1),
+    };
+    let spec = Spec {
+        name: name.unwrap_or_else(|| "pairs".into()),
+        seed: seed.unwrap_or(0),
+        pairs: fields.needed("pairs", pairs)?,
+        shard_pairs: shard_pairs.unwrap_or(64),
+        format,
+        size: size.unwrap_or([640, 480]),
+        scenes: fields.needed("scenes", scenes)?,
+        poses: poses.unwrap_or(Poses::Free { clearance: None, max_disparity: None, min_surfaces: None }),
+        rig: rig.unwrap_or_default(),
+        randomise: randomise.unwrap_or_default(),
+        render,
+        outputs: names,
+        compress,
+        folder,
+        options,
+        arrays,
+    };
+    check_together(&spec)?;
+    Ok(spec)
+}
+
+/// Reads a value or a distribution of values. Both ends of a range must be valid values.
+fn drawn<T: Span>(of: impl Fn(&Value, &str) -> Result<T, Error>) -> impl Fn(&Value, &str) -> Result<Drawn<T>, Error> {
+    move |value, at| {
+        let Value::Object(map) = value else { return of(value, at).map(Drawn::Value) };
+        let only = map.iter().next().filter(|_| map.len() == 1);
+        let ends = |kind: &str, value: &Value| -> Result<[T; 2], Error> {
+            let at = format!("{at}.{kind}");
+            let [low, high] = array(finite)(value, &at)?;
+            if low > high || (kind == "log_uniform" && low <= 0.0) {
+                let positive = if kind == "log_uniform" { " above 0" } else { "" };
+                return fault(&at, format!("{} must be a low and a high number{positive}", shown(value)));
+            }
+            array(&of)(value, &at)
+        };
+        match only.map(|(kind, value)| (kind.as_str(), value)) {
+            Some((kind @ "uniform", value)) => ends(kind, value).map(Drawn::Uniform),
+            Some((kind @ "log_uniform", value)) => ends(kind, value).map(Drawn::LogUniform),
+            Some(("choice", value)) => match list(&of)(value, &format!("{at}.choice"))? {
+                choices if choices.is_empty() => fault(&format!("{at}.choice"), "there is nothing to choose from"),
+                choices => Ok(Drawn::Choice(choices)),
+            },
+            _ => {
+                let kinds = "uniform, log_uniform, choice";
+                fault(at, format!("{} must be a value, or a mapping of one key: {kinds}", shown(value)))
+            }
+        }
+    }
+}
+
+fn name(value: &Value, at: &str) -> Result<String, Error> {
+    let is_plain = |text: &str| {
+        text.len() <= 64
+            && text.starts_with(|first: char| first.is_ascii_alphanumeric())
+            && text.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter))
+    };
+    match value.as_str().filter(|text| is_plain(text)) {
+        Some(text) => Ok(text.to_owned()),
+        None => fault(at, format!("{} must be at most 64 letters, digits, - and _", shown(value))),
+    }
+}
+
+/// Reads a length. Infinity is written as text, since JSON has no infinity.
+fn distance(value: &Value, at: &str) -> Result<Distance, Error> {
+    let is_infinite = value == ".inf" || number(value, at)? == f64::INFINITY;
+    if is_infinite { Ok(Distance(f64::INFINITY)) } else { above_zero(f64::INFINITY)(value, at).map(Distance) }
+}
+
+fn scenes(value: &Value, at: &str) -> Result<Vec<SceneEntry>, Error> {
+    let scenes = list(scene)(value, at)?;
+    match scenes.iter().any(|scene| scene.weight > 0.0) {
+        true => Ok(scenes),
+        false => fault(at, "at least one scene must have a weight above 0"),
+    }
+}
+
+fn scene(value: &Value, at: &str) -> Result<SceneEntry, Error> {
+    let fields = Fields::of(value, at)?;
+    let file = fields.get("file", text)?;
+    let builtin = fields.get("builtin", one_of(Builtin::ALL.iter().map(|&one| (one.name(), one)).collect()))?;
+    let weight = fields.get("weight", from_zero())?.unwrap_or(1.0);
+    let crease_angle = fields.get("crease_angle", within(0.0, 180.0))?;
+    let missing_textures = fields.get("missing_textures", one_of(named(["error", "warn"])))?;
+    let outside_files = fields.get("outside_files", one_of(named(["refuse", "allow"])))?;
+    let origin = fields.get("origin", origin)?;
+    let camera = fields.get("camera", camera)?;
+    let lights = fields.get("lights", lights)?;
+    let ambient = fields.get("ambient", color)?;
+    let sky = fields.get("sky", sky)?;
+    fields.end()?;
+    let source = match (file, builtin) {
+        (Some(file), None) => Source::File { file, crease_angle, missing_textures, outside_files, origin },
+        (None, Some(builtin)) => {
+            for (key, is_given) in [
+                ("crease_angle", crease_angle.is_some()),
+                ("missing_textures", missing_textures.is_some()),
+                ("origin", origin.is_some()),
+                ("outside_files", outside_files.is_some()),
+            ] {
+                if is_given {
+                    return fault(at, format!("{key} is an option for files, but this scene is built in"));
+                }
+            }
+            Source::Builtin { builtin }
+        }
+        _ => return fault(at, "give a file, or the name of a built-in scene"),
+    };
+    Ok(SceneEntry { source, weight, camera, lights, ambient, sky })
+}
+
+/// Returns names as values of themselves.
+fn named<const N: usize>(names: [&'static str; N]) -> Vec<(&'static str, &'static str)> {
+    names.map(|name| (name, name)).to_vec()
+}
+
+fn origin(value: &Value, at: &str) -> Result<OriginEntry, Error> {
+    match value {
+        Value::String(_) => one_of(named(["auto", "none"]))(value, at).map(OriginEntry::Named),
+        _ => point(value, at).map(OriginEntry::At),
+    }
+}
+
+fn camera(value: &Value, at: &str) -> Result<CameraEntry, Error> {
+    let fields = Fields::of(value, at)?;
+    let found = CameraEntry {
+        name: fields.get("name", text)?,
+        eye: fields.get("eye", point)?,
+        target: fields.get("target", point)?,
+        up: fields.get("up", point)?,
+    };
+    fields.end()?;
+    match (&found.eye, &found.target) {
+        (Some(_), None) | (None, Some(_)) => return fault(at, "give both eye and target, or none of them"),
+        (Some(_), _) if found.name.is_some() => {
+            let reason = "name selects a camera of the file, which has its own eye and target; leave these out";
+            return fault(at, reason);
+        }
+        (Some(eye), Some(target)) if eye == target => {
+            let shown = shown(&Value::from(target.to_vec()));
+            return fault(&fields.path("target"), format!("{shown} must differ from the eye"));
+        }
+        _ => {}
+    }
+    match found.up {
+        Some([0.0, 0.0, 0.0]) => fault(&fields.path("up"), "it must not be 0"),
+        _ => Ok(found),
+    }
+}
+
+fn lights(value: &Value, at: &str) -> Result<Lights, Error> {
+    match value {
+        Value::Number(_) => whole(0, 1000)(value, at).map(Lights::Placed),
+        _ => list(light)(value, at).map(Lights::Given),
+    }
+}
+
+fn light(value: &Value, at: &str) -> Result<LightEntry, Error> {
+    let fields = Fields::of(value, at)?;
+    let (position, towards) = (fields.get("position", point)?, fields.get("towards", point)?);
+    let (intensity, radius) = (fields.get("intensity", color)?, fields.get("radius", from_zero())?);
+    fields.end()?;
+    let found = LightEntry { position, towards, intensity: fields.needed("intensity", intensity)?, radius };
+    if position.is_some() == towards.is_some() {
+        return fault(at, "give a position, or towards for a light at infinity");
+    }
+    match (towards, radius) {
+        (Some([0.0, 0.0, 0.0]), _) => fault(&fields.path("towards"), "it must not be 0"),
+        (Some(_), Some(radius)) if radius > LARGEST_ANGLE => {
+            fault(&fields.path("radius"), format!("{radius} must be an angle of 0 to {LARGEST_ANGLE} radians"))
+        }
+        _ => Ok(found),
+    }
+}
+
+/// Reads a colour, the name of a picture's file, or `procedural`.
+fn sky(value: &Value, at: &str) -> Result<SkyEntry, Error> {
+    match (color(value, at), value) {
+        (Ok(color), _) => Ok(SkyEntry::Color(color)),
+        (Err(_), Value::String(name)) => Ok(SkyEntry::Named(name.clone())),
+        (Err(error), _) => Err(error),
+    }
+}
+
+fn poses(value: &Value, at: &str) -> Result<Poses, Error> {
+    enum Kind {
+        Free,
+        Orbit,
+        Fixed,
+    }
+    let fields = Fields::of(value, at)?;
+    let kinds = vec![("free", &Kind::Free), ("orbit", &Kind::Orbit), ("fixed", &Kind::Fixed)];
+    let found = match fields.get("kind", one_of(kinds))?.unwrap_or(&Kind::Free) {
+        Kind::Free => Poses::Free {
+            clearance: fields.get("clearance", drawn(from_zero()))?,
+            max_disparity: fields.get("max_disparity", above_zero(f64::INFINITY))?,
+            min_surfaces: fields.get("min_surfaces", within(0.0, 1.0))?,
+        },
+        Kind::Orbit => Poses::Orbit {
+            turn: fields.get("turn", drawn(finite))?.unwrap_or(Drawn::Uniform([0.0, 360.0])),
+            rise: fields.get("rise", drawn(finite))?.unwrap_or(Drawn::Value(0.0)),
+            distance: fields.get("distance", drawn(above_zero(f64::INFINITY)))?.unwrap_or(Drawn::Value(1.0)),
+        },
+        Kind::Fixed => Poses::Fixed,
+    };
+    fields.end()?;
+    Ok(found)
+}
+
+fn rig(value: &Value, at: &str) -> Result<Rig, Error> {
+    let fields = Fields::of(value, at)?;
+    let found = Rig {
+        interaxial: fields.get("interaxial", drawn(from_zero()))?,
+        interaxial_px: fields.get("interaxial_px", drawn(from_zero()))?,
+        baseline: fields.get("baseline", drawn(from_zero()))?,
+        screen_distance: fields.get("screen_distance", drawn(distance))?,
+        fov: fields.get("fov", drawn(above_zero(180.0)))?,
+        fx: fields.get("fx", drawn(above_zero(f64::INFINITY)))?,
+        fy: fields.get("fy", drawn(above_zero(f64::INFINITY)))?,
+        cx: fields.get("cx", drawn(finite))?,
+        cy: fields.get("cy", drawn(finite))?,
+    };
+    fields.end()?;
+    let separations =
+        [("interaxial", &found.interaxial), ("interaxial_px", &found.interaxial_px), ("baseline", &found.baseline)];
+    for same in [&separations[..], &[("fov", &found.fov), ("fx", &found.fx)]] {
+        let given: Vec<_> = same.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key).collect();
+        if given.len() > 1 {
+            return fault(at, format!("{} set the same value; give one of them", given.join(" and ")));
+        }
+    }
+    match [("fy", &found.fy), ("cx", &found.cx), ("cy", &found.cy)].iter().find(|(_, value)| value.is_some()) {
+        Some((key, _)) if found.fx.is_none() => fault(&fields.path(key), "it needs fx"),
+        _ => Ok(found),
+    }
+}
+
+fn randomise(value: &Value, at: &str) -> Result<Randomise, Error> {
+    let fields = Fields::of(value, at)?;
+    let found = Randomise {
+        lights: fields.get("lights", random_lights)?,
+        materials: fields.get("materials", random_materials)?,
+        ambient: fields.get("ambient", drawn(from_zero()))?,
+        exposure: fields.get("exposure", drawn(within(-64.0, 64.0)))?,
+    };
+    fields.end()?;
+    Ok(found)
+}
+
+fn random_lights(value: &Value, at: &str) -> Result<RandomLights, Error> {
+    let fields = Fields::of(value, at)?;
+    let found = RandomLights {
+        count: fields.get("count", drawn(whole(1, PLACES)))?.unwrap_or(Drawn::Value(3)),
+        strength: fields.get("strength", drawn(from_zero()))?.unwrap_or(Drawn::Value(0.85)),
+        tint: fields.get("tint", drawn(from_zero()))?.unwrap_or(Drawn::Value(1.0)),
+        radius: fields.get("radius", drawn(from_zero()))?,
+    };
+    fields.end()?;
+    Ok(found)
+}
+
+fn random_materials(value: &Value, at: &str) -> Result<RandomMaterials, Error> {
+    let fields = Fields::of(value, at)?;
+    let found = RandomMaterials {
+        share: fields.get("share", within(0.0, 1.0))?.unwrap_or(1.0),
+        albedo: fields.get("albedo", drawn(within(0.0, 1.0)))?,
+        tint: fields.get("tint", drawn(from_zero()))?,
+        specular: fields.get("specular", drawn(within(0.0, 1.0)))?,
+        exponent: fields.get("exponent", drawn(within(0.0, 10_000.0)))?,
+    };
+    fields.end()?;
+    if found.albedo.is_some() && found.tint.is_some() {
+        return fault(at, "albedo replaces the colour that tint multiplies; give one of them");
+    }
+    Ok(found)
+}
+
+/// Reads options of rendering by name.
+fn render(value: &Value, at: &str) -> Result<(Map<String, Value>, Options), Error> {
+    let Value::Object(map) = value else {
+        return fault(at, format!("{} must be a mapping of options to values", shown(value)));
+    };
+    let mut options = Options::default();
+    for (name, value) in map {
+        match name.as_str() {
+            "outputs" => return fault(&format!("{at}.outputs"), "use the key outputs"),
+            "exposure" => return fault(&format!("{at}.exposure"), "use the key randomise.exposure"),
+            "count" => return fault(&format!("{at}.count"), "data sets have no counters"),
+            _ => {}
+        }
+        let text = option_text(name, value, at)?;
+        options = options.set(name, &text).or_else(|error| fault(at, error.to_string()))?;
+    }
+    options.check().or_else(|error| fault(at, error.to_string()))?;
+    Ok((map.clone(), options))
+}
+
+/// Returns an option's value as [`Options::set`] reads it: `null` is `off`, and a list of two is joined by a colon.
+fn option_text(name: &str, value: &Value, at: &str) -> Result<String, Error> {
+    let one = |value: &Value| match value {
+        Value::Null => Some("off".to_owned()),
+        Value::String(text) => Some(text.clone()),
+        Value::Bool(_) | Value::Number(_) => Some(value.to_string()),
+        Value::Array(_) | Value::Object(_) => None,
+    };
+    let joined = || match value.as_array()?.as_slice() {
+        // Adaptive antialiasing has its levels before its tolerance, as in Python.
+        [levels, tolerance] if name == "adaptive" => Some(format!("{}:{}", one(tolerance)?, one(levels)?)),
+        [first, second] => Some(format!("{}:{}", one(first)?, one(second)?)),
+        _ => None,
+    };
+    match one(value).or_else(joined) {
+        Some(text) => Ok(text),
+        None => fault(at, format!("{name}: {} can't be its value", shown(value))),
+    }
+}
+
+/// Names of outputs as given, and the arrays that they stand for.
+type Outputs = (Vec<String>, Vec<(Eye, Channel)>);
+
+fn outputs(value: &Value, at: &str) -> Result<Outputs, Error> {
+    let names = list(text)(value, at)?;
+    if names.is_empty() {
+        return fault(at, "it must not be empty");
+    }
+    for (index, name) in names.iter().enumerate() {
+        let at = format!("{at}[{index}]");
+        match array_name(name) {
+            None => {
+                let known: Vec<_> = Channel::ALL.iter().map(|channel| channel.name()).collect();
+                let prefixes = "for one eye with the prefix left. or right.";
+                let name = shown(&Value::from(name.as_str()));
+                return fault(&at, format!("unknown {name}; use one of {}, {prefixes}", known.join(", ")));
+            }
+            Some((Some(Eye::Left), channel)) if channel.maker() == Maker::OtherView => {
+                return fault(&at, format!("{channel} exists only for the right view"));
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(arrays(names))
+}
+
+/// Returns the eye and the channel that an output names. A name without an eye means both eyes.
+fn array_name(name: &str) -> Option<(Option<Eye>, Channel)> {
+    let (eye, channel) = match name.split_once('.') {
+        Some((eye, channel)) => (Some(Eye::ALL.into_iter().find(|known| known.name() == eye)?), channel),
+        None => (None, name),
+    };
+    Some((eye, channel.parse().ok()?))
+}
+
+/// Returns the arrays of output names, each once.
+fn arrays(names: impl Into<Vec<String>>) -> Outputs {
+    let names = names.into();
+    let mut found = Vec::new();
+    for (eye, channel) in names.iter().filter_map(|name| array_name(name)) {
+        let eyes = match eye {
+            Some(eye) => vec![eye],
+            None if channel.maker() == Maker::OtherView => vec![Eye::Right],
+            None => Eye::ALL.to_vec(),
+        };
+        for array in eyes.into_iter().map(|eye| (eye, channel)) {
+            if !found.contains(&array) {
+                found.push(array);
+            }
+        }
+    }
+    (names, found)
+}
+
+/// Refuses valid values that contradict each other.
+fn check_together(spec: &Spec) -> Result<(), Error> {
+    let method = spec.options.method;
+    let is_bracket = matches!(method, Method::Auto | Method::Bracket(_));
+    let channels = || spec.arrays.iter().map(|(_, channel)| *channel);
+    if let Some(truth) = channels().find(|channel| channel.maker() == Maker::GroundTruth)
+        && !is_bracket
+        && method != Method::Naive
+    {
+        let reason = format!("{method} shows points up to half a pixel off, but {truth} is for pixel centres");
+        return fault("render.method", format!("{reason}; use naive, auto or a bracket method"));
+    }
+    if channels().any(|channel| channel == Channel::ShadowSource) && !is_bracket {
+        return fault("outputs", format!("shadow_source needs a bracket method, not {method}"));
+    }
+    let layout = spec.format.layout();
+    // Cameras with one cx for both eyes are parallel, unless a screen distance is given.
+    let is_parallel = match &spec.rig.screen_distance {
+        None => layout.is_some() || spec.rig.fx.is_some(),
+        Some(Drawn::Choice(choices)) => choices.iter().any(|distance| distance.0.is_infinite()),
+        Some(Drawn::Value(distance)) => distance.0.is_infinite(),
+        Some(_) => false,
+    };
+    let converges = match &spec.rig.screen_distance {
+        None => false,
+        Some(Drawn::Choice(choices)) => choices.iter().any(|distance| distance.0.is_finite()),
+        Some(Drawn::Value(distance)) => distance.0.is_finite(),
+        Some(_) => true,
+    };
+    if let Some(layout) = layout.filter(|layout| layout.is_parallel())
+        && converges
+    {
+        let reason = format!("the cameras of {layout} are parallel: leave it out, or set it to inf");
+        return fault("rig.screen_distance", reason);
+    }
+    if spec.rig.interaxial_px.is_some() && is_parallel {
+        let reason = "it is the parallax at infinity, which is 0 for parallel cameras; give interaxial";
+        return fault("rig.interaxial_px", reason);
+    }
+    if layout == Some(crate::dataset::Layout::SceneFlow) && spec.pairs > SCENE_FLOW_PAIRS {
+        return fault("pairs", format!("sceneflow numbers its files with four digits: at most {SCENE_FLOW_PAIRS}"));
+    }
+    Ok(())
+}

@@ -1,0 +1,386 @@
+//! A scene of a data set, from which pairs are rendered one after the other.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use sha2::{Digest as _, Sha256};
+
+use super::{
+    draws::{Draws, PLACES, rounded},
+    poses::{FreePoses, RandomPose},
+    spec::{
+        CameraEntry, LightEntry, Lights, OriginEntry, Poses, RandomLights, RandomMaterials, SkyEntry, Source, Spec,
+    },
+};
+use crate::{
+    Builtin, Error, Light, Material, MaterialId, MissingTextures, Origin, OutsideFiles, Renderer, Scene, SceneFile,
+    SceneOptions, Sky, SkyMap, StereoCamera, Update, UploadedScene, camera::Intrinsics,
+};
+
+/// Default limit of disparities, as a share of the width. Stereo matchers rarely search farther.
+const DISPARITY_SHARE: f64 = 0.2;
+/// Number of lights that are placed in a scene without lights.
+const DEFAULT_LIGHTS: u32 = 3;
+/// Width of the procedural sky in pixels.
+const SKY_WIDTH: u32 = 1024;
+
+pub(super) struct Stage {
+    /// The scene with the lights and materials of the last pair.
+    pub(super) scene: Scene,
+    cameras: Vec<(Arc<str>, StereoCamera)>,
+    builtin: Option<Builtin>,
+    /// What the scene had before any pair changed it.
+    materials: Vec<Material>,
+    lights: Vec<Light>,
+    ambient: Option<Vec3>,
+    uploaded: Option<UploadedScene>,
+    /// Whether lights or materials have changed since the upload.
+    has_changed: bool,
+}
+
+impl Stage {
+    pub(super) fn of(scene: Scene, uploaded: Option<UploadedScene>) -> Self {
+        Self {
+            materials: scene.materials().to_vec(),
+            lights: scene.lights.clone(),
+            ambient: scene.ambient,
+            scene,
+            cameras: Vec::new(),
+            builtin: None,
+            uploaded,
+            has_changed: false,
+        }
+    }
+
+    /// Reads a scene of a spec.
+    pub(super) fn open(spec: &Spec, index: usize) -> Result<Self, Error> {
+        let entry = &spec.scenes[index];
+        let mut stage = match &entry.source {
+            Source::Builtin { builtin } => Self { builtin: Some(*builtin), ..Self::of(builtin.scene(), None) },
+            Source::File { file, crease_angle, missing_textures, outside_files, origin } => {
+                let options = SceneOptions::default()
+                    .crease_angle(crease_angle.map(|angle| angle as f32))
+                    .missing_textures(match missing_textures {
+                        Some("warn") => MissingTextures::Warn,
+                        _ => MissingTextures::Error,
+                    })
+                    .outside_files(match outside_files {
+                        Some("allow") => OutsideFiles::Allow,
+                        _ => OutsideFiles::Refuse,
+                    })
+                    .outside_option_name("outside_files: allow")
+                    .origin(match origin {
+                        Some(OriginEntry::At(position)) => Origin::At(DVec3::from_array(*position)),
+                        Some(OriginEntry::Named("none")) => Origin::World,
+                        _ => Origin::Auto,
+                    });
+                let SceneFile { scene, cameras, .. } = SceneFile::open(spec.path_of(file), &options)?;
+                Self { cameras, ..Self::of(scene, None) }
+            }
+        };
+        match &entry.sky {
+            Some(SkyEntry::Color(color)) => stage.scene.sky = Sky::Constant(vector(*color)),
+            Some(SkyEntry::Named(name)) if name == "procedural" => {
+                stage.scene.sky = Sky::Map(SkyMap::procedural(SKY_WIDTH)?);
+            }
+            Some(SkyEntry::Named(file)) => stage.scene.sky = Sky::Map(SkyMap::open(spec.path_of(file))?),
+            None => {}
+        }
+        Ok(stage)
+    }
+
+    /// Returns a hash of everything that pictures of the scene depend on: its content and its camera in the spec.
+    pub(super) fn sha256(&self, spec: &Spec, index: usize) -> Result<String, Error> {
+        let camera = self.camera(spec, index)?.to_json()?;
+        Ok(hex(Sha256::digest(format!("{} {camera}", self.scene.sha256()))))
+    }
+
+    /// Returns the camera that the spec gives for the scene, or the scene's own.
+    fn camera(&self, spec: &Spec, index: usize) -> Result<StereoCamera, Error> {
+        let [width, height] = spec.size;
+        let given = spec.scenes[index].camera.as_ref();
+        let named = given.and_then(|given| given.name.as_deref());
+        let own = match named {
+            None => self.cameras.first().map(|(_, camera)| *camera),
+            Some(name) => match self.cameras.iter().find(|(known, _)| **known == *name) {
+                Some((_, camera)) => Some(*camera),
+                None => {
+                    let known: Vec<&str> = self.cameras.iter().take(20).map(|(name, _)| &**name).collect();
+                    return Err(Error::unknown_name("camera", name, &known));
+                }
+            },
+        };
+        let mut camera = match (given, self.builtin, own, self.scene.bounds()) {
+            (Some(CameraEntry { eye: Some(eye), target: Some(target), .. }), ..) => {
+                StereoCamera::look_at(DVec3::from_array(*eye), DVec3::from_array(*target)).size(width, height)
+            }
+            (_, Some(builtin), ..) => builtin.camera(width, height),
+            (_, None, Some(camera), _) => camera.size(width, height),
+            (_, None, None, Some(bounds)) => StereoCamera::fitting(bounds, width, height),
+            (_, None, None, None) => {
+                let reason = "it is empty or has only infinite planes, so it needs a camera".into();
+                return Err(Error::Scene { element: "the scene".into(), reason });
+            }
+        };
+        if let Some(up) = given.and_then(|given| given.up) {
+            camera = camera.up(vector(up));
+        }
+        camera.pose()?;
+        Ok(camera)
+    }
+
+    /// Returns the scene's camera with the pair's rig, from which poses are drawn.
+    fn rigged(&self, spec: &Spec, index: usize, draws: &Draws) -> Result<StereoCamera, Error> {
+        let (own, rig) = (self.camera(spec, index)?, &spec.rig);
+        let draw =
+            |value: &Option<_>, name: &str| value.as_ref().map(|value| draws.draw(value, &format!("rig.{name}")));
+        let mut camera = own;
+        let distance = rig.screen_distance.as_ref().map(|value| draws.draw(value, "rig.screen_distance").0 as f32);
+        let distance = distance.or_else(|| spec.format.layout().map(|_| f32::INFINITY));
+        // Parallel cameras have neither parallax at infinity nor a screen width. Both are converted, to keep the view.
+        if distance == Some(f32::INFINITY)
+            && rig.interaxial_px.is_none()
+            && let Ok(parallel) = camera.parallel()
+        {
+            camera = parallel;
+        }
+        if let Some(degrees) = draw(&rig.fov, "fov") {
+            camera = camera.vertical_fov_degrees(degrees as f32);
+        }
+        let separation = draw(&rig.interaxial, "interaxial").or_else(|| draw(&rig.baseline, "baseline"));
+        if let Some(fx) = draw(&rig.fx, "fx") {
+            let [width, height] = spec.size.map(f64::from);
+            let center = [draw(&rig.cx, "cx").unwrap_or(width / 2.0), draw(&rig.cy, "cy").unwrap_or(height / 2.0)];
+            camera = camera.intrinsics(Intrinsics::new([fx, draw(&rig.fy, "fy").unwrap_or(fx)], center));
+            if separation.is_none() && rig.interaxial_px.is_none() {
+                // An interaxial in pixels would depend on the focal length.
+                camera = camera.interaxial(own.pose()?.interaxial);
+            }
+        }
+        if let Some(separation) = separation {
+            camera = camera.interaxial(separation as f32);
+        }
+        if let Some(pixels) = draw(&rig.interaxial_px, "interaxial_px") {
+            camera = camera.interaxial_pixels(pixels as f32);
+        }
+        // Intrinsics set the screen distance, and a given distance replaces it.
+        if let Some(distance) = distance {
+            camera = camera.screen_distance(distance);
+        }
+        camera.pose()?;
+        Ok(camera)
+    }
+
+    /// Returns the pair's camera, and the number of tries to find it. The scene must be uploaded.
+    pub(super) async fn posed(
+        &self,
+        renderer: &Renderer,
+        spec: &Spec,
+        index: usize,
+        draws: &Draws,
+    ) -> Result<RandomPose, Error> {
+        let camera = self.rigged(spec, index, draws)?;
+        match &spec.poses {
+            Poses::Fixed => Ok(RandomPose { camera, tries: 1 }),
+            Poses::Orbit { turn, rise, distance } => {
+                let turn = draws.draw(turn, "poses.turn").to_radians();
+                let rise = draws.draw(rise, "poses.rise").to_radians();
+                let camera = orbited(camera, turn, rise, draws.draw(distance, "poses.distance"));
+                camera.pose()?;
+                Ok(RandomPose { camera, tries: 1 })
+            }
+            Poses::Free { .. } => self.free(renderer, spec, camera, draws).await,
+        }
+    }
+
+    /// Returns a free camera with the properties of `camera`. The scene must be uploaded.
+    pub(super) async fn free(
+        &self,
+        renderer: &Renderer,
+        spec: &Spec,
+        camera: StereoCamera,
+        draws: &Draws,
+    ) -> Result<RandomPose, Error> {
+        let (clearance, limit, surfaces) = match &spec.poses {
+            Poses::Free { clearance, max_disparity, min_surfaces } => {
+                (clearance.as_ref(), *max_disparity, *min_surfaces)
+            }
+            Poses::Orbit { .. } | Poses::Fixed => (None, None, None),
+        };
+        let limit = limit.unwrap_or(DISPARITY_SHARE * f64::from(spec.size[0])) as f32;
+        let of_format = spec.format.layout().map_or(f32::INFINITY, |layout| layout.disparity_limit());
+        let mut poses = FreePoses::new(&self.scene, camera, draws.seed)?.disparity(limit.min(of_format));
+        if let Some(clearance) = clearance {
+            poses = poses.clearance(draws.draw(clearance, "poses.clearance") as f32);
+        }
+        if let Some(share) = surfaces {
+            poses = poses.surfaces(share as f32);
+        }
+        poses.find(renderer, self.uploaded()?, draws.item).await
+    }
+
+    /// Sets the pair's lights, ambient light and materials, whatever the previous pair set.
+    pub(super) fn dress(
+        &mut self,
+        spec: &Spec,
+        index: usize,
+        draws: &Draws,
+        camera: &StereoCamera,
+    ) -> Result<(), Error> {
+        let entry = &spec.scenes[index];
+        let lights = match (&spec.randomise.lights, &entry.lights) {
+            (Some(random), _) => self.drawn_lights(random, draws, camera)?,
+            (None, Some(Lights::Given(given))) => given.iter().map(light).collect(),
+            (None, Some(Lights::Placed(count))) => self.lights_around(*count, camera)?,
+            (None, None) if self.lights.is_empty() => self.lights_around(DEFAULT_LIGHTS, camera)?,
+            (None, None) => self.lights.clone(),
+        };
+        let drawn = spec.randomise.ambient.as_ref().map(|value| [draws.draw(value, "ambient"); 3]);
+        let ambient = drawn.or(entry.ambient).map(vector).or(self.ambient);
+        self.has_changed |= lights != self.scene.lights || ambient != self.scene.ambient;
+        (self.scene.lights, self.scene.ambient) = (lights, ambient);
+        if let Some(random) = &spec.randomise.materials {
+            for (place, own) in self.materials.iter().enumerate() {
+                let drawn = material(random, draws, place, own);
+                if drawn != self.scene.materials()[place] {
+                    self.scene.set_material(MaterialId(place as u32), drawn)?;
+                    self.has_changed = true;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the scene back what it had before any pair changed it.
+    pub(super) fn undress(&mut self) {
+        (self.scene.lights, self.scene.ambient) = (self.lights.clone(), self.ambient);
+        for (place, own) in self.materials.iter().enumerate() {
+            // Fails only for ids out of range.
+            drop(self.scene.set_material(MaterialId(place as u32), own.clone()));
+        }
+        self.has_changed = true;
+    }
+
+    /// Returns lights placed around a camera, without adding them to the scene.
+    fn lights_around(&mut self, count: u32, camera: &StereoCamera) -> Result<Vec<Light>, Error> {
+        let (lights, ambient) = (std::mem::take(&mut self.scene.lights), self.scene.ambient);
+        let placed = self.scene.place_lights(count as usize, camera);
+        let around = std::mem::replace(&mut self.scene.lights, lights);
+        self.scene.ambient = ambient;
+        placed.map(|()| around)
+    }
+
+    fn drawn_lights(
+        &mut self,
+        random: &RandomLights,
+        draws: &Draws,
+        camera: &StereoCamera,
+    ) -> Result<Vec<Light>, Error> {
+        let placed = self.lights_around(PLACES, camera)?;
+        let count = draws.draw(&random.count, "lights.count") as usize;
+        let mut order: Vec<_> =
+            (0..placed.len()).map(|place| (draws.unit(&format!("lights.place.{place}")), place)).collect();
+        order.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let chosen = order.iter().take(count).enumerate();
+        Ok(chosen
+            .map(|(index, (_, place))| {
+                let draw = |value, name: &str| draws.draw(value, &format!("lights.{index}.{name}"));
+                let strength = draw(&random.strength, "strength") / count as f64;
+                let intensity =
+                    ["r", "g", "b"].map(|channel| strength * draw(&random.tint, &format!("tint.{channel}")));
+                light(&LightEntry {
+                    position: Some(placed[*place].position.to_array()),
+                    towards: None,
+                    intensity,
+                    radius: random.radius.as_ref().map(|radius| draw(radius, "radius")),
+                })
+            })
+            .collect())
+    }
+
+    /// Uploads the scene to the renderer's device, or updates it there.
+    pub(super) async fn bring(&mut self, renderer: &Renderer) -> Result<(), Error> {
+        if let Some(uploaded) = self.uploaded.as_mut().filter(|uploaded| uploaded.belongs_to(renderer.gpu()).is_ok()) {
+            if self.has_changed {
+                renderer.update(uploaded, &self.scene, Update::Refit).await?;
+            }
+        } else {
+            self.uploaded = None; // frees its memory first
+            self.uploaded = Some(renderer.upload(&self.scene).await?);
+        }
+        self.has_changed = false;
+        Ok(())
+    }
+
+    pub(super) fn uploaded(&self) -> Result<&UploadedScene, Error> {
+        self.uploaded.as_ref().ok_or(Error::ForeignScene)
+    }
+}
+
+impl Scene {
+    /// Returns a SHA-256, as 64 hexadecimal digits, of everything that pictures of the scene depend on. Equal scenes
+    /// from different files have equal hashes. Versions of the library may differ.
+    pub fn sha256(&self) -> String {
+        let mut hash = Sha256::new();
+        self.content(|bytes| hash.update(bytes));
+        hex(hash.finalize())
+    }
+}
+
+fn hex(digest: impl IntoIterator<Item = u8>) -> String {
+    digest.into_iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn vector(values: [f64; 3]) -> Vec3 {
+    Vec3::from_array(values.map(|value| value as f32))
+}
+
+fn light(entry: &LightEntry) -> Light {
+    let (intensity, radius) = (vector(entry.intensity), entry.radius.unwrap_or(0.0) as f32);
+    let position = DVec3::from_array(entry.position.unwrap_or_default());
+    match entry.towards {
+        Some(towards) => Light::directional(DVec3::from_array(towards), radius, intensity),
+        None if radius > 0.0 => Light::sphere(position, radius, intensity),
+        None => Light::point(position, intensity),
+    }
+}
+
+/// Returns a material with its drawn fields.
+fn material(random: &RandomMaterials, draws: &Draws, place: usize, own: &Material) -> Material {
+    let mut found = own.clone();
+    if draws.unit(&format!("materials.{place}.share")) >= random.share {
+        return found;
+    }
+    let draw = |value, name: &str| draws.draw(value, &format!("materials.{place}.{name}"));
+    let colors = |value, name: &str| ["r", "g", "b"].map(|channel| draw(value, &format!("{name}.{channel}")));
+    if let Some(albedo) = &random.albedo {
+        found.albedo = vector(colors(albedo, "albedo"));
+    }
+    if let Some(tint) = &random.tint {
+        found.albedo = (vector(colors(tint, "tint")) * own.albedo).min(Vec3::ONE);
+    }
+    if let Some(specular) = &random.specular {
+        found.specular = Vec3::splat(draw(specular, "specular") as f32);
+    }
+    if let Some(exponent) = &random.exponent {
+        found.exponent = draw(exponent, "exponent") as f32;
+    }
+    found
+}
+
+/// Moves a camera about its target by two angles in radians, and scales its distance.
+fn orbited(camera: StereoCamera, turn: f64, rise: f64, distance: f64) -> StereoCamera {
+    let up = camera.up_direction().as_dvec3().normalize();
+    let target = camera.target_position();
+    let mut arm = turned(camera.eye - target, up, turn);
+    if let Some(side) = up.cross(arm).try_normalize() {
+        arm = turned(arm, side, -rise);
+    }
+    camera.eye(DVec3::from_array((target + distance * arm).to_array().map(rounded)))
+}
+
+/// Rotates a vector about an axis of unit length, by an angle in radians (Rodrigues' formula).
+fn turned(vector: DVec3, axis: DVec3, angle: f64) -> DVec3 {
+    let (sin, cos) = angle.sin_cos();
+    vector * cos + axis.cross(vector) * sin + axis * axis.dot(vector) * (1.0 - cos)
+}
