@@ -153,6 +153,15 @@ pub enum Error {
         /// The reason.
         reason: String,
     },
+    /// A scene of a data set that can't be read.
+    #[non_exhaustive]
+    #[error("scenes[{index}]: {source}")]
+    DataSetScene {
+        /// Its index in the spec.
+        index: usize,
+        /// The reason. Later pairs of the scene fail with the same one.
+        source: std::sync::Arc<Self>,
+    },
     /// An unknown name.
     #[non_exhaustive]
     #[error("unknown {what} '{}'; use one of {}", tidy(name), tidy(known))]

@@ -167,8 +167,8 @@ fn as_t(occluded: Vec<bool>) -> Found {
     occluded.into_iter().map(|occluded| if occluded { 1.0 } else { f32::INFINITY }).collect()
 }
 
-/// Returns seconds and hits on the adapter. Without timestamps the host's clock is used. The time then includes the
-/// transfer of rays and hits.
+/// Traces the rays on the adapter. Returns the time in seconds and the hits. Without timestamps the host's clock is
+/// used, and the time includes the transfer of rays and hits.
 fn on_device(renderer: &Renderer, scene: &UploadedScene, kind: &Kind) -> Result<(f64, Found), stereotrace::Error> {
     let (mut seconds, mut found) = (0.0, Vec::new());
     for rays in &kind.lists {

@@ -94,9 +94,9 @@ impl Camera {
     /// Reads a camera from JSON: the text or file that ``to_json`` wrote, or the camera ``name`` from a file of several
     /// cameras by name.
     ///
-    /// A ``source`` that begins with a brace is text, else it is a path. Without a ``name`` the camera equals the one
-    /// that ``to_json`` wrote, and ``size`` changes its picture. ``size`` is a tuple of width and height in pixels. It
-    /// defaults to ``(640, 480)`` for files of several cameras. Each of their cameras has
+    /// A ``source`` that begins with a brace is text; otherwise it is a path. Without a ``name`` the camera equals the
+    /// one that ``to_json`` wrote, and ``size`` changes its picture. ``size`` is a tuple of width and height in pixels.
+    /// It defaults to ``(640, 480)`` for files of several cameras. Each of their cameras has
     ///
     /// - ``eye`` (the midpoint between the eyes), ``target`` and ``up``, three numbers each; or a matrix ``pose`` of
     ///   the left eye;

@@ -31,7 +31,12 @@ create_exception!(
 /// Converts an error of the library to an exception.
 pub(crate) fn raised(error: Error) -> PyErr {
     let text = error.to_string();
+    exception(&error, text)
+}
+
+fn exception(error: &Error, text: String) -> PyErr {
     match error {
+        Error::DataSetScene { source, .. } => exception(source, text),
         Error::NoAdapter { .. } | Error::Gpu(_) => AdapterError::new_err(text),
         Error::DeviceLost(_) => DeviceLostError::new_err(text),
         Error::Limit { .. } | Error::OutOfMemory(_) => LimitError::new_err(text),

@@ -441,12 +441,8 @@ impl Scene {
 
     /// Returns the lights that ``place_lights`` would place, as a list. The scene stays unchanged. Raises
     /// ``ValueError`` as ``place_lights`` does.
-    fn lights_around(&mut self, count: usize, camera: Camera) -> PyResult<Vec<Light>> {
-        let before = (std::mem::take(&mut self.inner.lights), self.inner.ambient);
-        let placed = self.inner.place_lights(count, &camera.0);
-        let lights = std::mem::replace(&mut self.inner.lights, before.0);
-        self.inner.ambient = before.1;
-        placed.map_err(raised)?;
+    fn lights_around(&self, count: usize, camera: Camera) -> PyResult<Vec<Light>> {
+        let lights = self.inner.lights_around(count, &camera.0).map_err(raised)?;
         Ok(lights.into_iter().map(Light).collect())
     }
 
@@ -468,13 +464,6 @@ impl Scene {
     #[getter]
     fn ambient(&self) -> (f32, f32, f32) {
         tuple(self.inner.rendered_ambient())
-    }
-
-    /// Ambient light that was assigned or set by ``place_lights``, linear RGB: a tuple of three; ``None`` for the
-    /// default.
-    #[getter]
-    fn given_ambient(&self) -> Option<(f32, f32, f32)> {
-        self.inner.ambient.map(tuple)
     }
 
     #[setter]

@@ -146,10 +146,20 @@ def test_a_value_of_one_name_stays_when_others_are_added():
     one = PairMaker(spec().checked, 0)
     other = PairMaker(spec(poses={"kind": "orbit", "rise": {"uniform": [0, 20]}}, randomise={}).checked, 0)
     assert [one.scene_of(number) for number in range(50)] == [other.scene_of(number) for number in range(50)]
-    first, second = (Worker(spec(scenes=[{"builtin": "near"}], **more)) for more in ({}, {"randomise": {}}))
-    assert [first.pair(item)[1]["interaxial"] for item in range(3)] == [
-        second.pair(item)[1]["interaxial"] for item in range(3)
+    # More values are drawn before and between those of the other spec.
+    rig = {"screen_distance": {"uniform": [3, 4]}, **SPEC["rig"], "fov": {"uniform": [40, 50]}}
+    materials = {"share": 0.5, "tint": {"uniform": [0.4, 0.9]}}
+    workers = [
+        Worker(spec(scenes=[{"builtin": "near"}], poses={"kind": "fixed"}, **more))
+        for more in (
+            {"randomise": {"ambient": {"uniform": [0, 1]}}},
+            {"rig": rig, "randomise": {"materials": materials, "ambient": {"uniform": [0, 1]}}},
+        )
     ]
+    for item in range(3):
+        records = [worker.pair(item)[1] for worker in workers]
+        assert records[0]["interaxial"] == records[1]["interaxial"]
+        assert workers[0].maker.scene(0).ambient == workers[1].maker.scene(0).ambient
 
 
 def test_lights_and_materials_are_drawn():
@@ -664,7 +674,7 @@ def test_any_storage_of_fsspec(made):
         ),
         ({"randomise": {"lights": {"radius": {"uniform": [-1, 1]}}}}, "radius.uniform.0.: -1 must be 0 or more"),
         ({"randomise": {"materials": {"albedo": 5}}}, "randomise.materials.albedo: 5 must be 0 to 1"),
-        ({"rig": {"fov": float("nan")}}, "rig.fov: 'nan' must be a number"),
+        ({"rig": {"fov": float("nan")}}, "rig.fov: nan must be a number"),
         (
             {"randomise": {"lights": {"count": {"uniform": [1, 40]}}}},
             r"randomise.lights.count.uniform\[1\]: 40 must be a whole number, 1 to 16",
@@ -727,7 +737,7 @@ def test_any_storage_of_fsspec(made):
         ({"randomise": {"exposure": 65}}, "randomise.exposure: 65 must be -64 to 64"),
         (
             {"rig": {"fov": 10**5000}},
-            "rig.fov: 'a number with too many digits' must be a number|rig.fov: '1000.* must be a number",
+            "rig.fov: a number with too many digits must be a number|rig.fov: 1000.* must be a number",
         ),
     ],
 )
@@ -812,7 +822,7 @@ def test_yaml_that_means_something_else_is_refused(tmp_path, text, message):
         (40 * '{"a":' + "1" + 40 * "}", "nested more than 32"),
         (200_000 * "[", "nested more than 32|invalid JSON"),
         ('{"pairs": ' + 9000 * "9" + "}", "invalid JSON"),
-        ('{"pairs": NaN}', "pairs: 'nan' must be a whole number"),
+        ('{"pairs": NaN}', "pairs: nan must be a number"),
         ("{", "spec.json: invalid JSON"),
     ],
 )
@@ -911,6 +921,16 @@ def test_outputs_of_eyes():
         ("left", "normal"),
         ("right", "source"),
     ]
+
+
+def test_values_of_dicts_that_json_lacks(tmp_path):
+    path = tmp_path / "a.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    found = Spec.load({"pairs": np.int64(2), "size": np.array([64, 48]).tolist(), "scenes": ({"file": path},)})
+    assert (found["pairs"], found["scenes"][0]["file"]) == (2, str(path))
+    for wrong in (b"a.obj", object(), float("nan"), 2**64):
+        with pytest.raises(SpecError, match=r"^scenes\[0\].file: .* must be "):
+            Spec.load({"pairs": 1, "scenes": [{"file": wrong}]})
 
 
 def test_specs_can_be_pickled():

@@ -142,7 +142,6 @@ def test_lights_and_sky(renderer):
     assert np.allclose(renderer.render(scene, CAMERA, outputs=["linear"]).left.linear[0, 0], (0, 0, 0.7), atol=1e-6)
     placed = scene.lights_around(3, CAMERA)
     assert len(placed) == 3 and scene.lights == lamps
-    assert scene.given_ambient is None
     scene.place_lights(3, CAMERA)
     assert scene.lights == placed
 

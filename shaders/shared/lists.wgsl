@@ -56,8 +56,8 @@ fn append(list: u32, place: u32, entry: u32) {
     lists.entries[place_in(list, place)] = entry;
 }
 
-// The pixels of a thread in a launch over a list. Spare rays of the last thread repeat the last entry and are not
-// wanted.
+// The pixels that a thread handles in a dispatch over a list. Spare rays of the last thread repeat the last entry and
+// are not wanted.
 struct ListedPixels {
     pixels: Pixels,
     wanted: B,

@@ -48,8 +48,8 @@ pub enum Check {
 pub enum BufferDepth {
     /// A fixed number of slots.
     Fixed(NonZeroU32),
-    /// `2 e_px`, rounded up: the thesis's choice. For parallel cameras, twice the disparity at the target. It is one
-    /// slot short from nearest depth d/2 on (DESIGN, section 2).
+    /// `2 e_px`, rounded up, as Al-Hagri 2012 chooses. For parallel cameras, twice the disparity at the target. It is
+    /// one slot too few if the nearest depth is d/2 or less (DESIGN, section 2).
     TwiceInteraxial,
     /// Lemma 1's bound, computed from the depth range of the left view. No candidate is lost.
     Adaptive,

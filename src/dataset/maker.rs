@@ -1,6 +1,6 @@
 //! Makes the pairs of a spec.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 use serde::Serialize;
 
@@ -38,7 +38,7 @@ pub struct PairMaker {
     /// Scenes in memory by index, with the most recently used at the end.
     stages: Vec<(usize, Stage)>,
     /// Reasons why scenes can't be read. They are not read again for every pair.
-    faults: BTreeMap<usize, String>,
+    faults: BTreeMap<usize, Arc<Error>>,
     read: Vec<usize>,
 }
 
@@ -114,16 +114,18 @@ impl PairMaker {
         self
     }
 
-    /// Uses an uploaded scene as the first scene of the spec, in place of the spec's file.
+    /// Uses an uploaded scene as the first scene of the spec, in place of the spec's file. Poses are drawn from
+    /// `camera`, in place of the spec's camera and rig.
     #[must_use]
-    pub fn with_scene(mut self, scene: Scene, uploaded: UploadedScene) -> Self {
-        self.stages = vec![(0, Stage::of(scene, Some(uploaded)))];
+    pub fn with_scene(mut self, scene: Scene, uploaded: UploadedScene, camera: StereoCamera) -> Self {
+        self.stages = vec![(0, Stage::given(scene, uploaded, camera))];
         self
     }
 
     /// Sets the hashes that scenes must have when they are read, as [`PairMaker::scene_sha256`] returns them, by the
-    /// scenes' indices. `None` accepts any content.
+    /// scenes' indices. `None` accepts any content. Scenes that could not be read are tried again.
     pub fn expect_hashes(&mut self, hashes: &[Option<String>]) {
+        self.faults.clear();
         self.hashes = (0..self.spec.scenes.len()).map(|index| hashes.get(index).cloned().flatten()).collect();
     }
 
@@ -160,7 +162,8 @@ impl PairMaker {
     /// Returns a scene with the lights and materials of the last pair, and reads it if it is not in memory.
     ///
     /// # Errors
-    /// [`Error::Spec`] if the scene can't be read, for an index out of range, and for another hash than expected.
+    /// [`Error::DataSetScene`] if the scene can't be read or has another hash than expected; [`Error::Spec`] for an
+    /// index out of range.
     pub fn scene(&mut self, index: usize) -> Result<&Scene, Error> {
         Ok(&self.stage(index)?.scene)
     }
@@ -170,48 +173,33 @@ impl PairMaker {
     /// # Errors
     /// The errors of [`PairMaker::scene`].
     pub fn scene_sha256(&mut self, index: usize) -> Result<String, Error> {
-        self.stage(index)?;
+        self.stage(index)?.undress();
         let Some((_, stage)) = self.stages.last() else { unreachable!("a stage was brought") };
-        stage.sha256(&self.spec, index).map_err(|error| at_scene(index, error.to_string()))
+        stage.sha256(&self.spec, index).map_err(|error| Error::DataSetScene { index, source: error.into() })
     }
 
     /// Makes a pair. Scenes are uploaded to the renderer's device, to a new device too.
     ///
     /// # Errors
     /// The errors of [`PairMaker::scene`], [`FreePoses::find`](super::FreePoses::find), [`Renderer::pair`] and
-    /// [`Renderer::ground_truth`].
+    /// [`Renderer::ground_truth`]; [`Error::Spec`] for a number out of range.
     pub async fn pair(
         &mut self,
         renderer: &mut Renderer,
         item: u32,
         progress: &mut OnProgress<'_>,
     ) -> Result<MadePair, Error> {
+        self.check_item(item)?;
         let (index, draws) = (self.scene_of(item), self.draws(item));
         self.stage(index)?;
         let Some((_, stage)) = self.stages.last_mut() else { unreachable!("a stage was brought") };
-        stage.bring(renderer).await?;
         let RandomPose { camera, tries } = stage.posed(renderer, &self.spec, index, &draws).await?;
-        self.pair_from(renderer, item, camera, Some(tries), progress).await
+        let mut made = self.pair_from(renderer, item, camera, progress).await?;
+        made.record.tries = Some(tries);
+        Ok(made)
     }
 
-    /// Returns a random camera for a pair with the properties of `camera`, by the spec's limits for free poses.
-    ///
-    /// # Errors
-    /// The errors of [`PairMaker::scene`] and [`FreePoses::find`](super::FreePoses::find).
-    pub async fn free_pose(
-        &mut self,
-        renderer: &Renderer,
-        item: u32,
-        camera: StereoCamera,
-    ) -> Result<RandomPose, Error> {
-        let (index, draws) = (self.scene_of(item), self.draws(item));
-        self.stage(index)?;
-        let Some((_, stage)) = self.stages.last_mut() else { unreachable!("a stage was brought") };
-        stage.bring(renderer).await?;
-        stage.free(renderer, &self.spec, camera, &draws).await
-    }
-
-    /// Makes a pair from a given camera. `tries` goes to the record.
+    /// Makes a pair from a given camera.
     ///
     /// # Errors
     /// The errors of [`PairMaker::pair`] except those of poses.
@@ -220,9 +208,9 @@ impl PairMaker {
         renderer: &mut Renderer,
         item: u32,
         camera: StereoCamera,
-        tries: Option<u32>,
         progress: &mut OnProgress<'_>,
     ) -> Result<MadePair, Error> {
+        self.check_item(item)?;
         let (index, draws, channels) = (self.scene_of(item), self.draws(item), self.channels());
         self.stage(index)?;
         let Some((_, stage)) = self.stages.last_mut() else { unreachable!("a stage was brought") };
@@ -243,8 +231,15 @@ impl PairMaker {
             true => Some(renderer.ground_truth(stage.uploaded()?, &stage.scene, &pair).await?),
             false => None,
         };
-        let record = record(item, spec.scene_name(index), &pair, truth.as_ref(), tries);
+        let record = record(item, spec.scene_name(index), &pair, truth.as_ref());
         Ok(MadePair { pair, truth, camera, record })
+    }
+
+    fn check_item(&self, item: u32) -> Result<(), Error> {
+        match self.spec.pairs {
+            pairs if item < pairs => Ok(()),
+            pairs => Err(Error::Spec { key: "pairs".into(), reason: format!("no pair {item}; there are {pairs}") }),
+        }
     }
 
     fn draws(&self, item: u32) -> Draws {
@@ -254,7 +249,8 @@ impl PairMaker {
     /// Moves a scene to the end of the list, and reads it if it is not there.
     fn stage(&mut self, index: usize) -> Result<&mut Stage, Error> {
         if index >= self.spec.scenes.len() {
-            return Err(at_scene(index, format!("the spec has {} scenes", self.spec.scenes.len())));
+            let reason = format!("no scene {index}; there are {}", self.spec.scenes.len());
+            return Err(Error::Spec { key: "scenes".into(), reason });
         }
         let kept = self.stages.iter().position(|(kept, _)| *kept == index);
         let stage = match kept {
@@ -271,35 +267,26 @@ impl PairMaker {
     }
 
     fn opened(&mut self, index: usize) -> Result<Stage, Error> {
-        if let Some(reason) = self.faults.get(&index) {
-            return Err(at_scene(index, reason.clone()));
+        if let Some(source) = self.faults.get(&index) {
+            return Err(Error::DataSetScene { index, source: source.clone() });
         }
         self.read.push(index);
-        let checked = Stage::open(&self.spec, index).and_then(|stage| {
-            let expected = self.hashes[index].as_ref();
-            let has_changed = match expected {
-                Some(expected) => stage.sha256(&self.spec, index)? != *expected,
-                None => false,
-            };
-            Ok((stage, has_changed))
-        });
-        let reason = match checked {
-            Ok((stage, false)) => return Ok(stage),
-            Ok((_, true)) => {
-                format!("{}: it has changed since the data set was begun", self.spec.scene_name(index))
+        let name = self.spec.scene_name(index);
+        let checked = Stage::open(&self.spec, index).and_then(|stage| match &self.hashes[index] {
+            Some(expected) if stage.sha256(&self.spec, index)? != *expected => {
+                Err(Error::Spec { key: name, reason: "it has changed since the data set was begun".into() })
             }
-            Err(error) => error.to_string(),
-        };
-        self.faults.insert(index, reason.clone());
-        Err(at_scene(index, reason))
+            _ => Ok(stage),
+        });
+        checked.map_err(|error| {
+            let source = Arc::new(error);
+            self.faults.insert(index, source.clone());
+            Error::DataSetScene { index, source }
+        })
     }
 }
 
-fn at_scene(index: usize, reason: String) -> Error {
-    Error::Spec { key: format!("scenes[{index}]"), reason }
-}
-
-fn record(item: u32, scene: String, pair: &StereoPair, truth: Option<&GroundTruth>, tries: Option<u32>) -> Record {
+fn record(item: u32, scene: String, pair: &StereoPair, truth: Option<&GroundTruth>) -> Record {
     let (pose, depth) = (&pair.pose, &pair.left.depth);
     let percent = |count: usize| 100.0 * count as f64 / depth.len() as f64;
     let of = |kind| truth.map(|truth| percent(truth.left.occlusion.iter().filter(|found| **found == kind).count()));
@@ -318,7 +305,7 @@ fn record(item: u32, scene: String, pair: &StereoPair, truth: Option<&GroundTrut
         forward: pose.forward.to_array().map(f64::from),
         up: pose.up.to_array().map(f64::from),
         interaxial: f64::from(pose.interaxial),
-        tries,
+        tries: None,
         method: pair.statistics.method.to_string(),
         retraced_share: pair.statistics.retraced_share(),
         disparity: range,

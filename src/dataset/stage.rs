@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    draws::{Draws, PLACES, rounded},
+    draws::{Drawn, Draws, PLACES, rounded},
     poses::{FreePoses, RandomPose},
     spec::{
         CameraEntry, LightEntry, Lights, OriginEntry, Poses, RandomLights, RandomMaterials, SkyEntry, Source, Spec,
@@ -20,7 +20,7 @@ use crate::{
 /// Default limit of disparities, as a share of the width. Stereo matchers rarely search farther.
 const DISPARITY_SHARE: f64 = 0.2;
 /// Number of lights that are placed in a scene without lights.
-const DEFAULT_LIGHTS: u32 = 3;
+const DEFAULT_LIGHTS: usize = 3;
 /// Width of the procedural sky in pixels.
 const SKY_WIDTH: u32 = 1024;
 
@@ -29,6 +29,8 @@ pub(super) struct Stage {
     pub(super) scene: Scene,
     cameras: Vec<(Arc<str>, StereoCamera)>,
     builtin: Option<Builtin>,
+    /// Camera from which poses are drawn, in place of the spec's camera and rig.
+    given: Option<StereoCamera>,
     /// What the scene had before any pair changed it.
     materials: Vec<Material>,
     lights: Vec<Light>,
@@ -39,7 +41,12 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    pub(super) fn of(scene: Scene, uploaded: Option<UploadedScene>) -> Self {
+    /// Makes a stage of a scene on the device, with the camera from which poses are drawn.
+    pub(super) fn given(scene: Scene, uploaded: UploadedScene, camera: StereoCamera) -> Self {
+        Self { uploaded: Some(uploaded), given: Some(camera), ..Self::of(scene) }
+    }
+
+    fn of(scene: Scene) -> Self {
         Self {
             materials: scene.materials().to_vec(),
             lights: scene.lights.clone(),
@@ -47,7 +54,8 @@ impl Stage {
             scene,
             cameras: Vec::new(),
             builtin: None,
-            uploaded,
+            given: None,
+            uploaded: None,
             has_changed: false,
         }
     }
@@ -56,7 +64,7 @@ impl Stage {
     pub(super) fn open(spec: &Spec, index: usize) -> Result<Self, Error> {
         let entry = &spec.scenes[index];
         let mut stage = match &entry.source {
-            Source::Builtin { builtin } => Self { builtin: Some(*builtin), ..Self::of(builtin.scene(), None) },
+            Source::Builtin { builtin } => Self { builtin: Some(*builtin), ..Self::of(builtin.scene()) },
             Source::File { file, crease_angle, missing_textures, outside_files, origin } => {
                 let options = SceneOptions::default()
                     .crease_angle(crease_angle.map(|angle| angle as f32))
@@ -75,7 +83,7 @@ impl Stage {
                         _ => Origin::Auto,
                     });
                 let SceneFile { scene, cameras, .. } = SceneFile::open(spec.path_of(file), &options)?;
-                Self { cameras, ..Self::of(scene, None) }
+                Self { cameras, ..Self::of(scene) }
             }
         };
         match &entry.sky {
@@ -92,7 +100,8 @@ impl Stage {
     /// Returns a hash of everything that pictures of the scene depend on: its content and its camera in the spec.
     pub(super) fn sha256(&self, spec: &Spec, index: usize) -> Result<String, Error> {
         let camera = self.camera(spec, index)?.to_json()?;
-        Ok(hex(Sha256::digest(format!("{} {camera}", self.scene.sha256()))))
+        let digest = Sha256::digest(format!("{} {camera}", self.scene.sha256()));
+        Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
     }
 
     /// Returns the camera that the spec gives for the scene, or the scene's own.
@@ -106,7 +115,9 @@ impl Stage {
                 Some((_, camera)) => Some(*camera),
                 None => {
                     let known: Vec<&str> = self.cameras.iter().take(20).map(|(name, _)| &**name).collect();
-                    return Err(Error::unknown_name("camera", name, &known));
+                    let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+                    let reason = format!("no camera '{name}' in this scene; its cameras are: {known}");
+                    return Err(Error::Spec { key: "camera.name".into(), reason });
                 }
             },
         };
@@ -131,6 +142,9 @@ impl Stage {
 
     /// Returns the scene's camera with the pair's rig, from which poses are drawn.
     fn rigged(&self, spec: &Spec, index: usize, draws: &Draws) -> Result<StereoCamera, Error> {
+        if let Some(given) = self.given {
+            return Ok(given);
+        }
         let (own, rig) = (self.camera(spec, index)?, &spec.rig);
         let draw =
             |value: &Option<_>, name: &str| value.as_ref().map(|value| draws.draw(value, &format!("rig.{name}")));
@@ -171,9 +185,9 @@ impl Stage {
         Ok(camera)
     }
 
-    /// Returns the pair's camera, and the number of tries to find it. The scene must be uploaded.
+    /// Returns the pair's camera, and the number of tries to find it. Free poses need the scene on the device.
     pub(super) async fn posed(
-        &self,
+        &mut self,
         renderer: &Renderer,
         spec: &Spec,
         index: usize,
@@ -189,24 +203,23 @@ impl Stage {
                 camera.pose()?;
                 Ok(RandomPose { camera, tries: 1 })
             }
-            Poses::Free { .. } => self.free(renderer, spec, camera, draws).await,
+            Poses::Free { clearance, max_disparity, min_surfaces } => {
+                self.bring(renderer).await?;
+                let limits = (clearance.as_ref(), *max_disparity, *min_surfaces);
+                self.free(renderer, spec, camera, draws, limits).await
+            }
         }
     }
 
-    /// Returns a free camera with the properties of `camera`. The scene must be uploaded.
-    pub(super) async fn free(
+    /// Returns a free camera with the properties of `camera`, by the limits of [`Poses::Free`].
+    async fn free(
         &self,
         renderer: &Renderer,
         spec: &Spec,
         camera: StereoCamera,
         draws: &Draws,
+        (clearance, limit, surfaces): (Option<&Drawn<f64>>, Option<f64>, Option<f64>),
     ) -> Result<RandomPose, Error> {
-        let (clearance, limit, surfaces) = match &spec.poses {
-            Poses::Free { clearance, max_disparity, min_surfaces } => {
-                (clearance.as_ref(), *max_disparity, *min_surfaces)
-            }
-            Poses::Orbit { .. } | Poses::Fixed => (None, None, None),
-        };
         let limit = limit.unwrap_or(DISPARITY_SHARE * f64::from(spec.size[0])) as f32;
         let of_format = spec.format.layout().map_or(f32::INFINITY, |layout| layout.disparity_limit());
         let mut poses = FreePoses::new(&self.scene, camera, draws.seed)?.disparity(limit.min(of_format));
@@ -231,8 +244,8 @@ impl Stage {
         let lights = match (&spec.randomise.lights, &entry.lights) {
             (Some(random), _) => self.drawn_lights(random, draws, camera)?,
             (None, Some(Lights::Given(given))) => given.iter().map(light).collect(),
-            (None, Some(Lights::Placed(count))) => self.lights_around(*count, camera)?,
-            (None, None) if self.lights.is_empty() => self.lights_around(DEFAULT_LIGHTS, camera)?,
+            (None, Some(Lights::Placed(count))) => self.scene.lights_around(*count as usize, camera)?,
+            (None, None) if self.lights.is_empty() => self.scene.lights_around(DEFAULT_LIGHTS, camera)?,
             (None, None) => self.lights.clone(),
         };
         let drawn = spec.randomise.ambient.as_ref().map(|value| [draws.draw(value, "ambient"); 3]);
@@ -261,22 +274,8 @@ impl Stage {
         self.has_changed = true;
     }
 
-    /// Returns lights placed around a camera, without adding them to the scene.
-    fn lights_around(&mut self, count: u32, camera: &StereoCamera) -> Result<Vec<Light>, Error> {
-        let (lights, ambient) = (std::mem::take(&mut self.scene.lights), self.scene.ambient);
-        let placed = self.scene.place_lights(count as usize, camera);
-        let around = std::mem::replace(&mut self.scene.lights, lights);
-        self.scene.ambient = ambient;
-        placed.map(|()| around)
-    }
-
-    fn drawn_lights(
-        &mut self,
-        random: &RandomLights,
-        draws: &Draws,
-        camera: &StereoCamera,
-    ) -> Result<Vec<Light>, Error> {
-        let placed = self.lights_around(PLACES, camera)?;
+    fn drawn_lights(&self, random: &RandomLights, draws: &Draws, camera: &StereoCamera) -> Result<Vec<Light>, Error> {
+        let placed = self.scene.lights_around(PLACES as usize, camera)?;
         let count = draws.draw(&random.count, "lights.count") as usize;
         let mut order: Vec<_> =
             (0..placed.len()).map(|place| (draws.unit(&format!("lights.place.{place}")), place)).collect();
@@ -317,20 +316,6 @@ impl Stage {
     }
 }
 
-impl Scene {
-    /// Returns a SHA-256, as 64 hexadecimal digits, of everything that pictures of the scene depend on. Equal scenes
-    /// from different files have equal hashes. Versions of the library may differ.
-    pub fn sha256(&self) -> String {
-        let mut hash = Sha256::new();
-        self.content(|bytes| hash.update(bytes));
-        hex(hash.finalize())
-    }
-}
-
-fn hex(digest: impl IntoIterator<Item = u8>) -> String {
-    digest.into_iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
 fn vector(values: [f64; 3]) -> Vec3 {
     Vec3::from_array(values.map(|value| value as f32))
 }
@@ -357,7 +342,8 @@ fn material(random: &RandomMaterials, draws: &Draws, place: usize, own: &Materia
         found.albedo = vector(colors(albedo, "albedo"));
     }
     if let Some(tint) = &random.tint {
-        found.albedo = (vector(colors(tint, "tint")) * own.albedo).min(Vec3::ONE);
+        let (tint, albedo) = (DVec3::from_array(colors(tint, "tint")), own.albedo.as_dvec3());
+        found.albedo = (tint * albedo).min(DVec3::ONE).as_vec3();
     }
     if let Some(specular) = &random.specular {
         found.specular = Vec3::splat(draw(specular, "specular") as f32);

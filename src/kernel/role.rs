@@ -80,7 +80,7 @@ pub(crate) enum Shading {
     Soft,
     /// No hits. The kernel samples the soft lights for listed hits.
     SoftListed,
-    /// No hits. The kernel samples the soft lights for hits whose shares are unknown.
+    /// No hits. The kernel samples the soft lights for hits for which the visible share of a soft light is unknown.
     SoftUnknown,
     /// No hits. The kernel lists hits on surfaces that reflect or transmit rays.
     ListMirrors,

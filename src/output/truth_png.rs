@@ -11,7 +11,7 @@ use crate::{Error, EyeTruth, MISS, Occlusion};
 /// Number of sample values per pixel of disparity.
 const KITTI_STEPS: f64 = 256.0;
 
-/// Largest id that fits 16 bits, since ids are stored plus 1 and 0 means a miss.
+/// Largest id that fits 16 bits, since ids are stored as id + 1, and 0 means a miss.
 const LARGEST_ID: u32 = u16::MAX as u32 - 1;
 
 impl Batch {

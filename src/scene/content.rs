@@ -67,6 +67,15 @@ impl Scene {
             sink(cast_slice(map.pixels()));
         }
     }
+
+    /// Returns a SHA-256 of [`Scene::content`], as 64 hexadecimal digits.
+    #[cfg(feature = "dataset")]
+    pub fn sha256(&self) -> String {
+        use sha2::Digest as _;
+        let mut hash = sha2::Sha256::new();
+        self.content(|bytes| hash.update(bytes));
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
 }
 
 /// Record of an object: the index of its name, its first primitive, and whether it has texture coordinates and colours.

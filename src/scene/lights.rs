@@ -12,14 +12,22 @@ const FAR_REACHING: f32 = 50.0;
 const BEFORE_OBSTACLE: f32 = 0.9;
 
 impl Scene {
-    /// Replaces `lights` by `count` lights, with the same rule for every method and scene file (DESIGN, section 3).
-    /// Light `k` is beside and above the eyes, at `eye + ρ (r cos θ + u |sin θ|)`. θ is k times the golden angle,
-    /// and `ρ = d (0.25 + 0.5 (k + 0.5) / count)`. `d` is the screen's distance, or the target's if the screen is at
-    /// infinity.
+    /// Replaces `lights` by [`Scene::lights_around`] the camera. If `ambient` is `None` it becomes 0.15.
+    ///
+    /// # Errors
+    /// The errors of [`Scene::lights_around`].
+    pub fn place_lights(&mut self, count: usize, camera: &StereoCamera) -> Result<(), Error> {
+        self.lights = self.lights_around(count, camera)?;
+        self.ambient.get_or_insert(Vec3::splat(DEFAULT_AMBIENT));
+        Ok(())
+    }
+
+    /// Returns `count` lights, with the same rule for every method and scene file (DESIGN, section 3). Light `k` is
+    /// beside and above the eyes, at `eye + ρ (r cos θ + u |sin θ|)`. θ is k times the golden angle, and `ρ = d (0.25 +
+    /// 0.5 (k + 0.5) / count)`. `d` is the screen's distance, or the target's if the screen is at infinity.
     ///
     /// If the eyes are inside the scene's bounding box, the light is moved into the box shrunk by a tenth. So it is not
-    /// behind a wall. If `ambient` is `None` it becomes 0.15. The lights add up to 0.85, so with an ambient light of
-    /// 0.15 white does not saturate.
+    /// behind a wall. The lights add up to 0.85, so with an ambient light of 0.15 white does not saturate.
     ///
     /// A box with a side over 50 `d` does not describe the walls around the eyes, for example in a scene with a wide
     /// ground. In such a box a light keeps its place beside the eyes. If an obstacle is between the eyes and the light,
@@ -28,7 +36,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Camera`] if the camera is invalid, [`Error::Scene`] for more than [`MAX_LIGHTS`](super::MAX_LIGHTS).
-    pub fn place_lights(&mut self, count: usize, camera: &StereoCamera) -> Result<(), Error> {
+    pub fn lights_around(&self, count: usize, camera: &StereoCamera) -> Result<Vec<Light>, Error> {
         let pose = camera.pose()?;
         check_light_count(count)?;
         let eye = self.local(pose.eye);
@@ -51,9 +59,7 @@ impl Scene {
             });
             Light::point(self.origin + position.as_dvec3(), Vec3::splat((1.0 - DEFAULT_AMBIENT) / count as f32))
         };
-        self.lights = (0..count).map(place).collect();
-        self.ambient.get_or_insert(Vec3::splat(DEFAULT_AMBIENT));
-        Ok(())
+        Ok((0..count).map(place).collect())
     }
 
     /// Returns whether a sphere or an ellipsoid contains `point` but not `eye`, or a plane separates the two.

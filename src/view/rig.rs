@@ -39,7 +39,7 @@ pub struct Rig {
     traced: Option<Vec<usize>>,
 }
 
-/// The pair of a camera ([`Rig::pair`]).
+/// Makes the stereo pair of a camera, as [`Rig::pair`] does.
 impl From<StereoCamera> for Rig {
     fn from(camera: StereoCamera) -> Self {
         Self::pair(camera)

@@ -163,18 +163,27 @@ mod made {
         let text = spec.to_json();
         assert!(text.contains("\"shard_pairs\":64") && text.contains("\"weight\":2.0"), "{text}");
         assert_eq!(Spec::from_json(&text, ".").unwrap().to_json(), text);
+        let twice = Spec::from_json(r#"{"pairs": 1, "scenes": [{"file": "a.obj", "file": "b.obj"}]}"#, ".");
+        assert!(twice.unwrap_err().to_string().contains("the key 'file' occurs twice in one mapping"));
     }
 
     #[test]
     fn a_changed_or_missing_scene_is_refused() {
         let mut one = maker();
         let hash = one.scene_sha256(1).unwrap();
+        let mut renderer = renderer();
+        for item in 0..12 {
+            drop(made(&mut one, &mut renderer, item)); // sets lights and materials
+        }
+        assert_eq!(one.scene_sha256(1).unwrap(), hash);
+        let message = made(&mut one, &mut renderer, 12).unwrap_err().to_string();
+        assert_eq!(message, "pairs: no pair 12; there are 12");
         let mut other = maker();
         other.expect_hashes(&[Some("0".repeat(64)), Some(hash)]);
         assert!(other.scene(1).is_ok());
         let message = other.scene(0).err().unwrap().to_string();
         assert_eq!(message, "scenes[0]: builtin:hall-finished: it has changed since the data set was begun");
-        assert!(other.scene(2).err().unwrap().to_string().contains("the spec has 2 scenes"));
+        assert!(other.scene(2).err().unwrap().to_string().contains("no scene 2; there are 2"));
         let file = r#"{"pairs": 1, "scenes": [{"file": "no/such.obj"}]}"#;
         let message = PairMaker::new(Spec::from_json(file, "folder").unwrap()).scene(0).err().unwrap().to_string();
         assert!(message.starts_with("scenes[0]: folder/no/such.obj: "), "{message}");

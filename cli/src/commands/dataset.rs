@@ -11,7 +11,7 @@ use std::{
 use clap::Args;
 use serde_json::{Map, Value, json};
 use stereotrace::{
-    Channel, Renderer, Setting, StereoCamera,
+    Channel, Renderer, Setting,
     blocking::Wait,
     dataset::{Layout, PairMaker, Spec},
     message::counted,
@@ -85,12 +85,12 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     }
     let settings = (arguments.layout, count, &motion, arguments.max_disparity, arguments.clearance, arguments.exr);
     let stop = Stop::on_signals()?;
+    let spec = spec(arguments, &stage, count, motion.is_some())?;
     let mut manifest = Manifest::open(&folder, &record::of(&arguments.subject, &stage.scene, &settings)?)?;
     let pending = Vec::from_iter(range.clone().filter(|item| !manifest.done.contains(item)));
 
-    let spec = spec(arguments, &stage, count, motion.is_some())?;
     let Stage { scene, uploaded, camera, mut renderer, .. } = stage;
-    let mut maker = PairMaker::new(spec).with_scene(scene, uploaded);
+    let mut maker = PairMaker::new(spec).with_scene(scene, uploaded, camera);
     if arguments.exr {
         maker = maker.also(&[Channel::Linear]);
     }
@@ -105,8 +105,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         }
         // Another command may have rendered this pair already.
         if !manifest.has(item)? {
-            match make(arguments, (&mut maker, &mut renderer), (camera, motion.as_ref()), item, &folder, &mut progress)
-            {
+            match make(arguments, (&mut maker, &mut renderer), motion.as_ref(), item, &folder, &mut progress) {
                 Ok(line) => made += usize::from(manifest.add(item, &line)?),
                 Err(error) => {
                     // A failed pair does not stop the others. The next run tries it again.
@@ -146,7 +145,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     Ok(Summary { text, json, to_stderr: false })
 }
 
-/// Returns the spec of the arguments. Its only scene is the one that the stage has.
+/// Returns the spec of the arguments. Its only scene is the stage's scene.
 fn spec(arguments: &Arguments, stage: &Stage, count: u32, has_motion: bool) -> Result<Spec, Box<dyn Error>> {
     let options = &stage.options;
     let elsewhere = ["seed", "exposure", "count"];
@@ -172,7 +171,8 @@ fn spec(arguments: &Arguments, stage: &Stage, count: u32, has_motion: bool) -> R
         "render": render,
     });
     Spec::from_json(&spec.to_string(), "").map_err(|error| match error {
-        // The keys have the names of the arguments.
+        // Other keys have the names of the arguments.
+        stereotrace::Error::Spec { key, reason, .. } if key == "render" => reason.into(),
         stereotrace::Error::Spec { key, reason, .. } => {
             format!("{}: {reason}", key.rsplit('.').next().unwrap_or_default()).into()
         }
@@ -184,19 +184,16 @@ fn spec(arguments: &Arguments, stage: &Stage, count: u32, has_motion: bool) -> R
 fn make(
     arguments: &Arguments,
     (maker, renderer): (&mut PairMaker, &mut Renderer),
-    (camera, motion): (StereoCamera, Option<&Motion>),
+    motion: Option<&Motion>,
     item: u32,
     folder: &Path,
     progress: &mut Progress,
 ) -> Result<Value, Box<dyn Error>> {
-    let (camera, tries) = match motion {
-        Some(motion) => (motion.at(item), None),
-        None => {
-            let found = maker.free_pose(renderer, item, camera).wait()?;
-            (found.camera, Some(found.tries))
-        }
+    let mut progress = |now| progress.show(now);
+    let made = match motion {
+        Some(motion) => maker.pair_from(renderer, item, motion.at(item), &mut progress).wait()?,
+        None => maker.pair(renderer, item, &mut progress).wait()?,
     };
-    let made = maker.pair_from(renderer, item, camera, tries, &mut |now| progress.show(now)).wait()?;
     let truth = made.truth.as_ref().ok_or("a layout needs ground truth")?;
     let mut batch = Batch::new();
     arguments.layout.add(&mut batch, folder, item, &made.pair, truth)?;

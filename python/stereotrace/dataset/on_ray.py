@@ -154,7 +154,6 @@ def make(
         out = os.path.abspath(out)
     store = Store(out, storage_options)
     data_set = DataSet(spec, store)
-    data_set.maker = None  # workers read the scenes themselves
     pending = data_set.pending(range(spec.shards), retry_errors)
     data_set.clear(pending)
     kept, run = spec.shards - len(pending), uuid.uuid4().hex[:12]

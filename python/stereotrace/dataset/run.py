@@ -86,19 +86,17 @@ class DataSet:
     """A spec and the store of its shards.
 
     Opening begins or resumes the data set. It reads and hashes the scenes, but for those whose files have not changed
-    since the data set was last opened.
+    since the data set was last opened. ``maker`` reads the scenes and may keep them.
 
     Raises ``OtherDataSet`` if another data set is in the store, and ``OSError`` if the store can't be reached or
     written."""
 
-    def __init__(self, spec: Spec, store: Store, scene_memory: int = 0) -> None:
+    def __init__(self, spec: Spec, store: Store, maker: PairMaker | None = None) -> None:
         self.spec = spec
         self.store = store
-        self.maker: PairMaker | None = PairMaker(spec.checked, scene_memory)
-        """Keeps scenes that were read for their hashes, up to ``scene_memory``, for a worker of this process."""
         store.make_folder()
         there = self._there()
-        self.head, self._scene_files = self._head(there)
+        self.head, self._scene_files = self._head(there, PairMaker(spec.checked, 0) if maker is None else maker)
         self._begin(there)
 
     def _there(self) -> dict[str, Any] | None:
@@ -115,7 +113,7 @@ class DataSet:
             raise OtherDataSet(f"{self.store.place(HEAD)}: it does not belong to a data set: {error}") from error
         return dict(there)
 
-    def _head(self, there: dict[str, Any] | None) -> tuple[dict[str, Any], list[str | None]]:
+    def _head(self, there: dict[str, Any] | None, maker: PairMaker) -> tuple[dict[str, Any], list[str | None]]:
         """Returns the data set's head, and for each scene a hash of its files' names, sizes and times.
 
         A scene that can't be read has its error in place of a hash."""
@@ -137,9 +135,8 @@ class DataSet:
                 files.append(found)
                 continue
             try:
-                assert self.maker is not None
-                known["sha256"] = self.maker.scene_sha256(index)
-            except ValueError as error:
+                known["sha256"] = maker.scene_sha256(index)
+            except (ValueError, OSError) as error:
                 log.warning("%s", error)
                 known["error"] = str(error)
                 found = None  # the next run reads it again
@@ -372,13 +369,14 @@ def make(
     asked = list(range(spec.shards) if shards is None else shards)
     if wrong := [shard for shard in asked if not 0 <= shard < spec.shards]:
         raise ValueError(f"shard {wrong[0]}: the data set has {spec.shards}, counted from 0")
-    data_set = DataSet(spec, Store(out, storage_options), scene_memory)
+    maker = PairMaker(spec.checked, scene_memory)
+    data_set = DataSet(spec, Store(out, storage_options), maker)
     pending = data_set.pending(asked, retry_errors)
     data_set.clear(pending)
     first: list[float] = []
 
     def rows(tell: Callable[[int], None]) -> Iterator[dict[str, Any]]:
-        worker = Worker(spec, data_set.hashes, adapter, scene_memory, data_set.maker) if pending else None
+        worker = Worker(spec, data_set.hashes, adapter, scene_memory, maker) if pending else None
         for shard in pending:
             try:
                 assert worker is not None

@@ -7,6 +7,7 @@ import json
 import math
 import numbers
 import operator
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -138,18 +139,21 @@ def _has_parts(value: Any) -> bool:
     return isinstance(value, (Mapping, Sequence)) and not isinstance(value, (str, bytes))
 
 
-def _plain(value: Any) -> Any:
-    """Converts a value to JSON types. What JSON can't hold becomes text, which the check of its key then refuses."""
+def _plain(value: Any, at: str = "") -> Any:
+    """Converts a value to JSON types, or raises ``SpecError``. Infinity becomes text, as specs have it."""
     if isinstance(value, Mapping):
-        return {key if isinstance(key, str) else shown(key): _plain(inner) for key, inner in value.items()}
+        dot = f"{at}." if at else ""
+        return {str(key): _plain(inner, f"{dot}{key}") for key, inner in value.items()}
     if _has_parts(value):
-        return [_plain(inner) for inner in value]
+        return [_plain(inner, f"{at}[{index}]") for index, inner in enumerate(value)]
     if value is None or isinstance(value, (bool, str)):
         return value
-    if isinstance(value, numbers.Integral):  # NumPy's too
-        whole = operator.index(value)
-        return whole if abs(whole) < 2**63 else shown(whole)
-    if isinstance(value, numbers.Real):
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, numbers.Integral) and abs(whole := operator.index(value)) < 2**63:  # NumPy's too
+        return whole
+    if isinstance(value, numbers.Real) and not isinstance(value, numbers.Integral) and not math.isnan(value):
         number = float(value)
         return number if math.isfinite(number) else str(number)
-    return shown(value)
+    kind = "a number that f64 can hold" if isinstance(value, numbers.Number) else "text, a number, a list or a mapping"
+    raise SpecError(f"{at}: {shown(value)} must be {kind}")

@@ -8,8 +8,8 @@ use super::{
     CameraEntry, Distance, Eye, Format, LightEntry, Lights, OriginEntry, Poses, RandomLights, RandomMaterials,
     Randomise, Rig, SceneEntry, SkyEntry, Source, Spec,
     fields::{
-        Fields, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown, text,
-        whole, within,
+        Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
+        text, whole, within,
     },
 };
 use crate::{
@@ -27,8 +27,8 @@ const LONGEST_SIDE: u32 = 1 << 17;
 const LARGEST_ANGLE: f64 = 1.5;
 
 pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
-    let value: Value = match serde_json::from_str(text) {
-        Ok(value) => value,
+    let value = match serde_json::from_str(text) {
+        Ok(Unique(value)) => value,
         Err(error) => return fault("", format!("invalid JSON: {error}")),
     };
     let fields = Fields::of(&value, "")?;

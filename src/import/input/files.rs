@@ -191,7 +191,7 @@ impl SceneFolder {
         Err(Error::io(path, io::Error::new(ErrorKind::PermissionDenied, reason)))
     }
 
-    /// Returns the file that an absolute path of another machine means. Only the first one gives a warning.
+    /// Returns the local file to use for an absolute path from another machine. Only the first one gives a warning.
     fn beside(&self, folder: &Path, name: &str) -> Option<PathBuf> {
         let last = last_of_absolute(name)?;
         let places = [folder, parent(&self.scene)].map(|folder| folder.join(last));

@@ -19,7 +19,7 @@ use crate::{
 /// Reader of an HDR file for the image crate.
 struct HdrBytes<R> {
     inner: R,
-    /// Number of consecutive run marks.
+    /// Number of consecutive repeat codes.
     marks: u32,
 }
 
@@ -28,15 +28,15 @@ impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
         self.inner.read(bytes)
     }
 
-    /// Reads bytes and counts run marks, which may replace pixels. Each consecutive mark multiplies the run by 256. The
-    /// crate panics when a `usize` overflows: at the eighth mark with 64 bits, at the fourth with 32 bits.
+    /// Reads bytes and counts repeat codes, which may replace pixels. Each consecutive code multiplies the run by 256.
+    /// The crate panics when a `usize` overflows: at the eighth code with 64 bits, at the fourth with 32 bits.
     fn read_exact(&mut self, bytes: &mut [u8]) -> std::io::Result<()> {
         self.inner.read_exact(bytes)?;
         self.marks = if matches!(bytes, [1, 1, 1, _]) { self.marks + 1 } else { 0 };
         match self.marks {
             0..=3 => Ok(()),
             _ => Err(std::io::Error::other(
-                "a run of pixels has over three length marks, which means over 16 million pixels",
+                "a run of pixels has more than three repeat codes in a row, so it has over 16 million pixels",
             )),
         }
     }

@@ -88,8 +88,9 @@ fn host_and_wgsl_structs_have_the_same_layout() {
 
 #[test]
 fn counters_and_marks_have_the_same_numbers_in_both_languages() {
-    let types: String = SHARED.iter().map(|part| part.text).collect();
-    for (name, value) in [
+    let shared: String = SHARED.iter().map(|part| part.text).collect();
+    let types = shared + include_str!("../../../shaders/bracket/choose.wgsl");
+    let numbers = [
         ("WORKGROUP", layout::WORKGROUP),
         ("LIST_WORKGROUP", layout::LIST_WORKGROUP),
         ("COUNTERS", layout::COUNTERS as u32),
@@ -116,10 +117,22 @@ fn counters_and_marks_have_the_same_numbers_in_both_languages() {
         ("TILE_PIXELS", layout::TILE_PIXELS),
         ("BOUND_WORDS", layout::BOUND_WORDS),
         ("TILE_WORDS", layout::TILE_WORDS),
-    ] {
+        ("CHOSEN", layout::CHOSEN as u32),
+        ("SENT_RAYS", layout::SENT_RAYS as u32),
+        ("OWN_SHADOW_RAYS", layout::OWN_SHADOW_RAYS as u32),
+        ("BRACKET_CHOSEN", layout::BRACKET_CHOSEN),
+        ("TO_SEARCH", layout::TO_SEARCH),
+        ("ALL_TRACED", layout::ALL_TRACED),
+    ];
+    for (name, value) in numbers {
         let decimal = format!("const {name}: u32 = {value}u;");
         let hex = format!("const {name}: u32 = {value:#010x}u;");
         assert!(types.contains(&decimal) || types.contains(&hex), "{name}");
+    }
+    let host = include_str!("../layout.rs").lines().filter_map(|line| line.strip_prefix("pub(crate) const "));
+    for name in host.filter_map(|line| line.split(':').next()) {
+        let in_both = types.contains(&format!("const {name}: u32 ="));
+        assert!(!in_both || numbers.iter().any(|(known, _)| *known == name), "{name} is not compared");
     }
     for (name, words) in
         [("LIST_WORDS", (layout::TILE_WORDS - 1) / 16), ("LIST_MOST", (layout::TILE_WORDS - 1) / 16 - 1)]

@@ -23,7 +23,7 @@ pub(crate) const CLOUD_SCREEN: f32 = 2.0 * CLOUD_RADIUS;
 #[cfg(any(test, feature = "testing"))]
 pub fn spheres_turned(angle: f32) -> Result<Scene, Error> {
     if !angle.is_finite() {
-        return Err(Error::Scene { element: "spheres".into(), reason: format!("turned by {angle}, no finite number") });
+        return Err(Error::Scene { element: "spheres".into(), reason: format!("the angle {angle} is not finite") });
     }
     let still = spheres();
     let turn = glam::Mat3::from_rotation_y(angle);
