@@ -3,7 +3,8 @@
 #   sh scripts/check_python.sh [ARGUMENTS OF pytest]
 # The wheel is left in target/python/wheels. Needs Python 3.10 or newer, which it installs with its venv where apt-get
 # can, and the Python package registry once: some 300 MB in target/python. STEREOTRACE_PROFILE is a profile of cargo;
-# release by default.
+# release by default. STEREOTRACE_EXTENSION is an extension that is built already, with the command beside it; the
+# package is then installed without a wheel.
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 # shellcheck disable=SC2034 # setup.sh reads it
@@ -19,13 +20,22 @@ venv=$root/target/python/venv
 python_venv 3.10 "$venv" "$packages"
 
 profile=${STEREOTRACE_PROFILE:-release}
-wheels=$root/target/python/wheels
-rm -rf "$wheels"
-(cd "$root/python" && PATH=$venv/bin:$PATH maturin build --quiet --profile "$profile" --locked --out "$wheels")
-"$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps "$wheels"/*.whl
-cargo build --quiet --profile "$profile" --manifest-path "$root/Cargo.toml" --package stereotrace-cli
-case $profile in dev) built=debug ;; *) built=$profile ;; esac
-export STEREOTRACE_COMMAND="$root/target/$built/stereotrace"
+if [ -n "${STEREOTRACE_EXTENSION-}" ]; then
+    site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+    rm -rf "$site"/stereotrace "$site"/stereotrace-*.dist-info
+    cp -R "$root/python/stereotrace" "$site/"
+    cp "$STEREOTRACE_EXTENSION" "$site/stereotrace/_stereotrace.abi3.so"
+    (cd "$root/python" && PATH=$venv/bin:$PATH maturin pep517 write-dist-info --metadata-directory "$site" --interpreter "$venv/bin/python")
+    built=$(dirname -- "$STEREOTRACE_EXTENSION")
+else
+    wheels=$root/target/python/wheels
+    rm -rf "$wheels"
+    (cd "$root/python" && PATH=$venv/bin:$PATH maturin build --quiet --profile "$profile" --locked --out "$wheels")
+    "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps "$wheels"/*.whl
+    cargo build --quiet --profile "$profile" --manifest-path "$root/Cargo.toml" --package stereotrace-cli
+    case $profile in dev) built=$root/target/debug ;; *) built=$root/target/$profile ;; esac
+fi
+export STEREOTRACE_COMMAND="$built/stereotrace"
 
 # From here: no folder named stereotrace may hide the package that was installed.
 cd "$root/target/python"

@@ -25,10 +25,10 @@ if [ -n "$missing" ]; then
 fi
 
 # Built before the clock runs: a window that does not close is a failure, not something to wait for.
-cargo test --manifest-path "$root/Cargo.toml" --package stereotrace-cli --test window --no-run
+cargo test --manifest-path "$root/Cargo.toml" --test window --no-run
 screen=$(mktemp -d)
 trap 'rm -rf "$screen"' EXIT
 say "opening windows of stereotrace view"
 STEREOTRACE_FRAMEBUFFER=$screen/Xvfb_screen0 timeout -k 10 300 \
     xvfb-run -a -s "-screen 0 800x600x24 -fbdir $screen" \
-    cargo test --manifest-path "$root/Cargo.toml" --package stereotrace-cli --test window -- --ignored --test-threads 1
+    cargo test --manifest-path "$root/Cargo.toml" --test window -- --ignored --test-threads 1
