@@ -185,7 +185,7 @@ mod tests {
         assert!(sky.pixels().iter().all(|&color| color == Vec3::new(1.0, 0.5, 0.25)));
         for marks in [4, 9, 20] {
             let message = read(8, &vec![0; marks]).unwrap_err().to_string();
-            assert!(message.contains("runs.hdr: can't read the sky: a run of pixels has over three"), "{message}");
+            assert!(message.contains("runs.hdr: can't read the sky: a run of pixels has more than three"), "{message}");
         }
     }
 
