@@ -163,7 +163,7 @@ def test_a_value_of_one_name_stays_when_others_are_added():
 
 
 def test_lights_and_materials_are_drawn():
-    worker = Worker(spec(scenes=[{"builtin": "three-spheres"}]))
+    worker = Worker(spec(scenes=[{"builtin": "three-spheres"}], pairs=8))
     own = [material.albedo for material in worker.maker.scene(0).materials]
     lights, albedos = set(), set()
     for item in range(8):
