@@ -30,12 +30,17 @@ const COPIES: usize = 3;
 /// ```
 pub struct PairMaker {
     spec: Spec,
+    /// Channels to render besides those of the spec.
+    more: Vec<Channel>,
+    scenes: Scenes,
+}
+
+/// The scenes of a spec in memory.
+struct Scenes {
     memory: usize,
     /// Hashes that scenes must have.
     hashes: Vec<Option<String>>,
-    /// Channels to render besides those of the spec.
-    more: Vec<Channel>,
-    /// Scenes in memory by index, with the most recently used at the end.
+    /// Scenes by index, with the most recently used at the end.
     stages: Vec<(usize, Stage)>,
     /// Reasons why scenes can't be read. They are not read again for every pair.
     faults: BTreeMap<usize, Arc<Error>>,
@@ -97,13 +102,14 @@ impl PairMaker {
     pub fn new(spec: Spec) -> Self {
         let hashes = vec![None; spec.scenes.len()];
         let (stages, faults, read) = (Vec::new(), BTreeMap::new(), Vec::new());
-        Self { spec, memory: SCENE_MEMORY, hashes, more: Vec::new(), stages, faults, read }
+        let scenes = Scenes { memory: SCENE_MEMORY, hashes, stages, faults, read };
+        Self { spec, more: Vec::new(), scenes }
     }
 
     /// Sets the memory for kept scenes in bytes, on the host and the device together. The current scene is always kept.
     #[must_use]
     pub fn scene_memory(mut self, bytes: usize) -> Self {
-        self.memory = bytes;
+        self.scenes.memory = bytes;
         self
     }
 
@@ -118,15 +124,15 @@ impl PairMaker {
     /// `camera`, in place of the spec's camera and rig.
     #[must_use]
     pub fn with_scene(mut self, scene: Scene, uploaded: UploadedScene, camera: StereoCamera) -> Self {
-        self.stages = vec![(0, Stage::given(scene, uploaded, camera))];
+        self.scenes.stages = vec![(0, Stage::given(scene, uploaded, camera))];
         self
     }
 
     /// Sets the hashes that scenes must have when they are read, as [`PairMaker::scene_sha256`] returns them, by the
     /// scenes' indices. `None` accepts any content. Scenes that could not be read are tried again.
     pub fn expect_hashes(&mut self, hashes: &[Option<String>]) {
-        self.faults.clear();
-        self.hashes = (0..self.spec.scenes.len()).map(|index| hashes.get(index).cloned().flatten()).collect();
+        self.scenes.faults.clear();
+        self.scenes.hashes = (0..self.spec.scenes.len()).map(|index| hashes.get(index).cloned().flatten()).collect();
     }
 
     /// Returns the spec.
@@ -145,12 +151,12 @@ impl PairMaker {
 
     /// Returns the indices of the scenes read so far, in this order.
     pub fn scenes_read(&self) -> &[usize] {
-        &self.read
+        &self.scenes.read
     }
 
     /// Returns whether a scene is in memory.
     pub fn has_scene(&self, index: usize) -> bool {
-        self.stages.iter().any(|(kept, _)| *kept == index)
+        self.scenes.stages.iter().any(|(kept, _)| *kept == index)
     }
 
     /// Returns the index of a pair's scene.
@@ -165,7 +171,7 @@ impl PairMaker {
     /// [`Error::DataSetScene`] if the scene can't be read or has another hash than expected; [`Error::Spec`] for an
     /// index out of range.
     pub fn scene(&mut self, index: usize) -> Result<&Scene, Error> {
-        Ok(&self.stage(index)?.scene)
+        Ok(&self.scenes.stage(&self.spec, index)?.scene)
     }
 
     /// Returns a SHA-256 of everything that pictures of a scene depend on: its content and its camera in the spec.
@@ -173,8 +179,8 @@ impl PairMaker {
     /// # Errors
     /// The errors of [`PairMaker::scene`].
     pub fn scene_sha256(&mut self, index: usize) -> Result<String, Error> {
-        self.stage(index)?.undress();
-        let Some((_, stage)) = self.stages.last() else { unreachable!("a stage was brought") };
+        let stage = self.scenes.stage(&self.spec, index)?;
+        stage.undress();
         stage.sha256(&self.spec, index).map_err(|error| Error::DataSetScene { index, source: error.into() })
     }
 
@@ -191,8 +197,7 @@ impl PairMaker {
     ) -> Result<MadePair, Error> {
         self.check_item(item)?;
         let (index, draws) = (self.scene_of(item), self.draws(item));
-        self.stage(index)?;
-        let Some((_, stage)) = self.stages.last_mut() else { unreachable!("a stage was brought") };
+        let stage = self.scenes.stage(&self.spec, index)?;
         let RandomPose { camera, tries } = stage.posed(renderer, &self.spec, index, &draws).await?;
         let mut made = self.pair_from(renderer, item, camera, progress).await?;
         made.record.tries = Some(tries);
@@ -212,8 +217,7 @@ impl PairMaker {
     ) -> Result<MadePair, Error> {
         self.check_item(item)?;
         let (index, draws, channels) = (self.scene_of(item), self.draws(item), self.channels());
-        self.stage(index)?;
-        let Some((_, stage)) = self.stages.last_mut() else { unreachable!("a stage was brought") };
+        let stage = self.scenes.stage(&self.spec, index)?;
         let spec = &self.spec;
         stage.dress(spec, index, &draws, &camera)?;
         if let Err(error) = stage.bring(renderer).await {
@@ -245,17 +249,19 @@ impl PairMaker {
     fn draws(&self, item: u32) -> Draws {
         Draws { seed: self.spec.seed, item }
     }
+}
 
+impl Scenes {
     /// Moves a scene to the end of the list, and reads it if it is not there.
-    fn stage(&mut self, index: usize) -> Result<&mut Stage, Error> {
-        if index >= self.spec.scenes.len() {
-            let reason = format!("no scene {index}; there are {}", self.spec.scenes.len());
+    fn stage(&mut self, spec: &Spec, index: usize) -> Result<&mut Stage, Error> {
+        if index >= spec.scenes.len() {
+            let reason = format!("no scene {index}; there are {}", spec.scenes.len());
             return Err(Error::Spec { key: "scenes".into(), reason });
         }
         let kept = self.stages.iter().position(|(kept, _)| *kept == index);
         let stage = match kept {
             Some(place) => self.stages.remove(place).1,
-            None => self.opened(index)?,
+            None => self.opened(spec, index)?,
         };
         self.stages.push((index, stage));
         let used = |stages: &[(usize, Stage)]| stages.iter().map(|(_, stage)| stage.scene.memory()).sum::<usize>();
@@ -266,14 +272,14 @@ impl PairMaker {
         Ok(stage)
     }
 
-    fn opened(&mut self, index: usize) -> Result<Stage, Error> {
+    fn opened(&mut self, spec: &Spec, index: usize) -> Result<Stage, Error> {
         if let Some(source) = self.faults.get(&index) {
             return Err(Error::DataSetScene { index, source: source.clone() });
         }
         self.read.push(index);
-        let name = self.spec.scene_name(index);
-        let checked = Stage::open(&self.spec, index).and_then(|stage| match &self.hashes[index] {
-            Some(expected) if stage.sha256(&self.spec, index)? != *expected => {
+        let name = spec.scene_name(index);
+        let checked = Stage::open(spec, index).and_then(|stage| match &self.hashes[index] {
+            Some(expected) if stage.sha256(spec, index)? != *expected => {
                 Err(Error::Spec { key: name, reason: "it has changed since the data set was begun".into() })
             }
             _ => Ok(stage),

@@ -31,7 +31,7 @@ pub(super) struct Stage {
     builtin: Option<Builtin>,
     /// Camera from which poses are drawn, in place of the spec's camera and rig.
     given: Option<StereoCamera>,
-    /// What the scene had before any pair changed it.
+    /// The scene's own materials, lights and ambient light.
     materials: Vec<Material>,
     lights: Vec<Light>,
     ambient: Option<Vec3>,
@@ -264,7 +264,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Gives the scene back what it had before any pair changed it.
+    /// Restores the scene's own materials, lights and ambient light.
     pub(super) fn undress(&mut self) {
         (self.scene.lights, self.scene.ambient) = (self.lights.clone(), self.ambient);
         for (place, own) in self.materials.iter().enumerate() {

@@ -43,27 +43,19 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     let rig = fields.get("rig", rig)?;
     let randomise = fields.get("randomise", randomise)?;
     let render = fields.get("render", render)?;
-    let mut outputs = fields.get("outputs", outputs)?;
-    let mut compress = fields.get("compress", flag)?;
+    let outputs = fields.get("outputs", outputs)?;
+    let compress = fields.get("compress", flag)?;
     fields.end()?;
-    match format.layout() {
-        Some(layout) => {
-            for (key, is_given) in [("outputs", outputs.is_some()), ("compress", compress.is_some())] {
-                if is_given {
-                    return fault(key, format!("the layout {layout} sets the files; leave this key out"));
-                }
+    if let Some(layout) = format.layout() {
+        for (key, is_given) in [("outputs", outputs.is_some()), ("compress", compress.is_some())] {
+            if is_given {
+                return fault(key, format!("the layout {layout} sets the files; leave this key out"));
             }
         }
-        None => {
-            outputs.get_or_insert_with(|| arrays(["color", "disparity", "occlusion"].map(String::from)));
-            compress.get_or_insert(false);
-        }
     }
+    let is_layout = format.layout().is_some();
     let (render, options) = render.unwrap_or_default();
-    let (names, arrays) = match outputs {
-        Some((names, arrays)) => (Some(names), arrays),
-        None => (None, arrays(["color", "disparity", "occlusion"].map(String::from)).1),
-    };
+    let (names, arrays) = outputs.unwrap_or_else(|| arrays(["color", "disparity", "occlusion"].map(String::from)));
     let spec = Spec {
         name: name.unwrap_or_else(|| "pairs".into()),
         seed: seed.unwrap_or(0),
@@ -76,8 +68,8 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
         rig: rig.unwrap_or_default(),
         randomise: randomise.unwrap_or_default(),
         render,
-        outputs: names,
-        compress,
+        outputs: (!is_layout).then_some(names),
+        compress: (!is_layout).then(|| compress.unwrap_or(false)),
         folder,
         options,
         arrays,
