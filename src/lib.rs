@@ -137,7 +137,10 @@ pub mod camera {
 pub use accel::bvh::BvhBuild;
 pub use ask::channel::{Channel, Maker};
 pub use ask::method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
-pub use ask::options::{Adaptive, AmbientOcclusion, GBuffer, MAX_BOUNCES, MAX_SOFT_RAYS, Options, Penumbra, Tone};
+pub use ask::options::{
+    Adaptive, AmbientOcclusion, GBuffer, Lighting, MAX_BOUNCES, MAX_PATH_BOUNCES, MAX_PATHS, MAX_SOFT_RAYS, Options,
+    Penumbra, Tone,
+};
 pub use ask::progress::{OnProgress, Progress};
 pub use ask::samples::Filter;
 pub use ask::settings::Setting;

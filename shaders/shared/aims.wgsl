@@ -49,6 +49,18 @@ const RECTANGLE: u32 = 2u;     // third and fourth texel: vectors from its centr
 const SUN: u32 = 3u;           // its position is a unit direction; its size is the tangent of its angular radius
 const SURROUNDINGS: u32 = 4u;  // ambient light, indexed after the last light; its rays end after occlusion_radius
 
+// Returns two unit vectors orthogonal to a unit vector and to each other (Duff et al. 2017, "Building an Orthonormal
+// Basis, Revisited").
+fn across(n: vec3f) -> array<vec3f, 2> {
+    let sign = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    return array<vec3f, 2>(
+        vec3f(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
+        vec3f(b, sign + n.y * n.y * a, -n.y),
+    );
+}
+
 //! if soft is none
 fn light_kind(light: u32) -> u32 { return POINT; }
 
@@ -73,18 +85,6 @@ fn spin_of(light: u32, ray: u32) -> vec2f {
     let which = (light + 1u) * 0x9e3779b9u + dice_salt * 0x85ebca6bu + frame.lighting.seed;
     let random = scrambled(vec3u(pixel.x, pixel.y + frame.band.first_row, which));
     return vec2f(random.xy >> vec2u(8u)) / 16777216.0;
-}
-
-// Returns two unit vectors orthogonal to a unit vector and to each other (Duff et al. 2017, "Building an Orthonormal
-// Basis, Revisited").
-fn across(n: vec3f) -> array<vec3f, 2> {
-    let sign = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (sign + n.z);
-    let b = n.x * n.y * a;
-    return array<vec3f, 2>(
-        vec3f(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
-        vec3f(b, sign + n.y * n.y * a, -n.y),
-    );
 }
 
 fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {

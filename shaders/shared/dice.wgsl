@@ -20,7 +20,7 @@ fn throw_dice(pixels: Pixels, salt: u32) {
 
 fn rays_asked() -> u32 { return shadow_rays + soft_rays; }
 
-//! if soft is masked or asked or followed
+//! end
 // Hashes three words to three (Jarzynski & Olano 2020, "Hash Functions for GPU Rendering": pcg3d).
 fn scrambled(words: vec3u) -> vec3u {
     var v = words * 1664525u + 1013904223u;

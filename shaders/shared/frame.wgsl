@@ -67,12 +67,21 @@ struct Costs {
     _pad: u32,
 }
 
+// Parameters of paths of light.
+struct PathRay {
+    ray: u32,       // number of the rays that trace_paths traces, counted from 1
+    bounces: u32,   // maximum number of surfaces that scatter a path's light, after the first hit
+    first: u32,     // number of the first path of each pixel
+    _pad: u32,
+}
+
 struct Frame {
     eyes: Eyes,
     band: Band,
     lighting: Lighting,
     display: Display,
     costs: Costs,
+    paths: PathRay,
 }
 
 //! if canvas is middles or texels

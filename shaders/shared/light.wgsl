@@ -12,7 +12,8 @@ struct Surfaces {
     component: U,
     reach: F,               // for triangles: at least the longest edge, world units
     specular: F3,
-    exponent: F,
+    grazing: F3,            // what a highlight by facets adds to `specular` at grazing angles
+    exponent: F,            // Phong's exponent, or alpha of facets
     emission: F3,
     sends: U,               // 1 for mirrors, glass and veils, which are shaded later
 }

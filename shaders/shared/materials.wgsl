@@ -8,6 +8,7 @@ struct Material {
     texture: u32,           // the texture's number plus one, or 0; lower 24 bits of the first texel's w
     kind: u32,              // MIRROR, GLASS, or 0 if only the opacity matters; above the texture
     fresnel: bool,
+    is_chosen: bool,        // whether emitting primitives of this material are chosen as light sources
     specular: vec3f,        // second texel: colour of highlights, or of reflections
     exponent: f32,          // Phong's exponent n, or -1 - n for normalised highlights
     emission: vec3f,        // third texel
@@ -37,6 +38,7 @@ fn material_at(material: u32) -> Material {
         let transmission = table_texel(first + 3u);
         found.kind = (albedo.w >> 24u) & 3u;
         found.fresnel = (albedo.w & 0x04000000u) != 0u;
+        found.is_chosen = (albedo.w & 0x10000000u) != 0u;
         found.specular = bitcast<vec3f>(specular.xyz);
         found.exponent = bitcast<f32>(specular.w);
         found.emission = bitcast<vec3f>(emission.xyz);
@@ -47,8 +49,11 @@ fn material_at(material: u32) -> Material {
     return found;
 }
 
+// Returns the exponent of a highlight, normalised or not.
+fn phong_exponent(exponent: f32) -> f32 { return select(exponent, -1.0 - exponent, exponent < 0.0); }
+
 //! if mirrors is listed or followed
 // Returns whether the material sends rays on: it is a mirror, glass or a veil (partly transparent).
 fn sends_rays(material: u32) -> bool {
-    return table_texel(first_texel(material)).w > MATERIAL_TEXTURE;
+    return (table_texel(first_texel(material)).w & 0x0f000000u) != 0u;
 }

@@ -1,10 +1,10 @@
 // Reflectance: highlights that surfaces send to the eye, and rays that mirrors and glass send on. Diffuse reflection is
 // the albedo, which shade.wgsl applies to the sum of all light.
 
-//! use aims, lane, light, materials, rays
+//! use aims, facets, lane, light, materials, rays
 
 //! if shine is none
-fn with_highlights(surfaces: Surfaces, ray: u32, material: Material) -> Surfaces {
+fn with_highlights(surfaces: Surfaces, rays: Rays, ray: u32, material: Material) -> Surfaces {
     return surfaces;
 }
 
@@ -12,8 +12,8 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
     return all3(vec3f(0.0));
 }
 
-fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
-    return vec4f(0.0);
+fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> FourShine {
+    return FourShine(vec4f(0.0), vec4f(0.0));
 }
 
 //! if shine is some
@@ -35,8 +35,6 @@ fn lobe_scale(exponent: f32) -> f32 {
     return select(1.0, 0.5 * (phong_exponent(exponent) + 2.0), exponent < 0.0);
 }
 
-fn phong_exponent(exponent: f32) -> f32 { return select(exponent, -1.0 - exponent, exponent < 0.0); }
-
 fn lobe(exponent: F, cosine: F, facing: F) -> F {
     let normalised = exponent < F(0.0);
     let plain = pow(max(cosine, F(1e-30)), select(exponent, -1.0 - exponent, normalised));
@@ -50,7 +48,7 @@ fn lobe_of_four(exponent: f32, cosine: vec4f, facing: vec4f) -> vec4f {
 
 //! if shine is some or normalised
 // Adds the highlights' colour and exponent, and the emission, to a surface.
-fn with_highlights(surfaces: Surfaces, ray: u32, material: Material) -> Surfaces {
+fn with_highlights(surfaces: Surfaces, rays: Rays, ray: u32, material: Material) -> Surfaces {
     var shining = surfaces;
     shining.specular = with_ray3(surfaces.specular, ray, material.specular * lobe_scale(material.exponent));
     shining.exponent = with_ray(surfaces.exponent, ray, material.exponent);
@@ -69,7 +67,7 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
 }
 
 // Returns the highlights of light along four rays, without the surface's colour.
-fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
+fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> FourShine {
     let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
     let n = aim.shading_normal;
     // Mirrors the direction to the light about the normal. The cosine is the same as in `highlight`.
@@ -77,7 +75,89 @@ fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u3
     let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
     let cosine = 2.0 * facing * dot(n, to_eye) - back;
     let seen = lobe_of_four(of_ray(surfaces.exponent, ray), cosine, facing);
-    return select(vec4f(0.0), seen, rays.wanted & (cosine > vec4f(0.0)));
+    return FourShine(select(vec4f(0.0), seen, rays.wanted & (cosine > vec4f(0.0))), vec4f(0.0));
+}
+
+//! if shine is facets
+// Highlights by facets, for light that paths complete. They leave less light for diffuse reflection.
+fn with_highlights(surfaces: Surfaces, rays: Rays, ray: u32, material: Material) -> Surfaces {
+    let to_viewer = -normalize(of_ray3(rays.direction, ray));
+    let facing = dot(of_ray3(surfaces.shading_normal, ray), to_viewer);
+    let lobes = lobes_of(material, of_ray3(surfaces.albedo, ray), facing);
+    var shining = surfaces;
+    shining.albedo = with_ray3(surfaces.albedo, ray, lobes.diffuse);
+    shining.specular = with_ray3(surfaces.specular, ray, lobes.reflectance * (1.0 + lobes.gain));
+    shining.grazing = with_ray3(surfaces.grazing, ray, (1.0 - lobes.reflectance) * (1.0 + lobes.gain));
+    shining.exponent = with_ray(surfaces.exponent, ray, lobes.alpha);
+    shining.emission = with_ray3(surfaces.emission, ray, material.emission);
+    return shining;
+}
+
+// Returns the highlight of a light of intensity 1, whose irradiance is pi.
+fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
+    let normal = surfaces.shading_normal;
+    let back = minus3(all3(eye), surfaces.point);
+    let to_eye = times3(back, 1.0 / sqrt(dot3(back, back)));
+    let sum = minus3(to_eye, from_light);
+    let half_way = times3(sum, 1.0 / sqrt(max(dot3(sum, sum), F(1e-30))));
+    let facing = -dot3(normal, from_light);
+    let seen = max(dot3(normal, to_eye), F(1e-4));
+    let upright = clamp(dot3(normal, half_way), F(0.0), F(1.0));
+    let squared = surfaces.exponent * surfaces.exponent;
+    let d = upright * upright * (squared - 1.0) + 1.0;
+    let a = facing * sqrt(seen * seen * (1.0 - squared) + squared);
+    let b = seen * sqrt(facing * facing * (1.0 - squared) + squared);
+    let share = squared * facing * 0.5 / max(d * d * (a + b), F(1e-30));
+    let grazing = pow(clamp(1.0 + dot3(from_light, half_way), F(0.0), F(1.0)), F(5.0));
+    let color = add3(surfaces.specular, times3(surfaces.grazing, grazing));
+    return times3(color, select(F(0.0), share, (facing > F(0.0)) & (surfaces.exponent > F(LEAST_ALPHA))));
+}
+
+fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> FourShine {
+    let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
+    let n = aim.shading_normal;
+    let alpha = of_ray(surfaces.exponent, ray);
+    let x = rays.x + to_eye.x;
+    let y = rays.y + to_eye.y;
+    let z = rays.z + to_eye.z;
+    let scale = inverseSqrt(max(x * x + y * y + z * z, vec4f(1e-30)));
+    let facing = rays.x * n.x + rays.y * n.y + rays.z * n.z;
+    let upright = clamp((x * n.x + y * n.y + z * n.z) * scale, vec4f(0.0), vec4f(1.0));
+    let aside = clamp((x * to_eye.x + y * to_eye.y + z * to_eye.z) * scale, vec4f(0.0), vec4f(1.0));
+    let seen = max(dot(n, to_eye), 1e-4);
+    let squared = alpha * alpha;
+    let d = upright * upright * (squared - 1.0) + 1.0;
+    let a = facing * sqrt(seen * seen * (1.0 - squared) + squared);
+    let b = seen * sqrt(facing * facing * (1.0 - squared) + squared);
+    let share = squared * facing * 0.5 / max(d * d * (a + b), vec4f(1e-30));
+    let plain = select(vec4f(0.0), share, rays.wanted & (facing > vec4f(0.0)) & vec4<bool>(alpha > LEAST_ALPHA));
+    return FourShine(plain, plain * pow(1.0 - aside, vec4f(5.0)));
+}
+
+//! if shine is none or some or normalised
+// Returns the highlight's colour under light of an intensity, from the mean of its highlights.
+fn shine_color(surfaces: Surfaces, intensity: vec3f, plain: f32, grazing: f32, ray: u32) -> vec3f {
+    let color = of_ray3(surfaces.specular, ray) * intensity;
+    return color * plain;
+}
+
+//! if shine is facets
+fn shine_color(surfaces: Surfaces, intensity: vec3f, plain: f32, grazing: f32, ray: u32) -> vec3f {
+    return intensity * (of_ray3(surfaces.specular, ray) * plain + of_ray3(surfaces.grazing, ray) * grazing);
+}
+
+//! end
+// Highlights along four rays: the factors of a surface's `specular` and of its `grazing`.
+struct FourShine {
+    plain: vec4f,
+    grazing: vec4f,
+}
+
+// Returns the share of unpolarised light that glass reflects, by Fresnel's equations for the cosines on both sides.
+fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
+    let across = (eta * cosine - inner) / (eta * cosine + inner);
+    let along_plane = (cosine - eta * inner) / (cosine + eta * inner);
+    return 0.5 * (across * across + along_plane * along_plane);
 }
 
 //! if mirrors is none or followed
@@ -144,11 +224,4 @@ fn sent_on(material: Material, surface: Surface, direction: vec3f, weight: vec3f
         sent.reflected_weight = weight * reflected;
     }
     return sent;
-}
-
-// Returns the share of unpolarised light that glass reflects, by Fresnel's equations for the cosines on both sides.
-fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
-    let across = (eta * cosine - inner) / (eta * cosine + inner);
-    let along_plane = (cosine - eta * inner) / (cosine + eta * inner);
-    return 0.5 * (across * across + along_plane * along_plane);
 }

@@ -20,7 +20,14 @@ fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
 fn radiance(rays: Rays, hits: Hits, surfaces: Surfaces) -> F3 {
     ask_tables(surfaces);
     let light = direct_light(surfaces, rays.origin);
-    var color = product3(surfaces.albedo, add3(all3(open_ambient()), light.diffuse));
+    var color = product3(surfaces.albedo, add3(all3(ambient_light()), light.diffuse));
     if SHINE { color = add3(color, add3(surfaces.emission, light.shine)); }
     return select3(sky(rays.direction), color, surfaces.there);
 }
+
+//! if light is direct
+fn ambient_light() -> vec3f { return open_ambient(); }
+
+//! if light is paths
+// Paths bring the light that ambient light stands for.
+fn ambient_light() -> vec3f { return vec3f(0.0); }

@@ -92,34 +92,6 @@ fn row_weight(row: i32, rows: i32) -> f32 {
     return arc * (0.775 + 0.225 * arc);
 }
 
-// Result of a search in cumulative shares, which are stored in w of texels. `index` is the first texel whose w exceeds
-// the given share. `within` is the position of the share between the previous texel's w and its own, 0 to 1. The last
-// texel's w counts as 1.
-struct TexelOver {
-    index: u32,
-    within: f32,
-}
-
-fn texel_over(share: f32, first: u32, stride: u32, count: u32) -> TexelOver {
-    var low = 0u;
-    var high = count - 1u;
-    var below = 0.0;
-    var above = 1.0;
-    loop {
-        if low >= high { break; }
-        let middle = (low + high) / 2u;
-        let here = bitcast<f32>(table_texel(first + stride * middle).w);
-        if here > share {
-            high = middle;
-            above = here;
-        } else {
-            low = middle + 1u;
-            below = here;
-        }
-    }
-    return TexelOver(low, select(0.5, clamp((share - below) / (above - below), 0.0, 1.0), above > below));
-}
-
 // Inverts the cumulative distribution of a tent on [-1, 1]: returns the position below which a given share of the area
 // lies.
 fn tent(share: f32) -> f32 {

@@ -61,7 +61,7 @@ fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u3
     if is_never_hidden(aim.kind) { known = 1.0; }
     var mask = 0u;
     if known < 0.0 { mask = mask_of(aim, slot, ray); }
-    var sums = Shares(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
+    var sums: Shares;
     var group = 0u;
     loop {
         let rays = four_rays(aim, group);
@@ -70,8 +70,12 @@ fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u3
         sums.open += select(vec4f(0.0), rays.weight, open);
         if SHINE && aim.kind != SURROUNDINGS {
             let shine = four_highlights(rays, aim, surfaces, eye, ray);
-            sums.all_shine += shine;
-            sums.open_shine += select(vec4f(0.0), shine, open);
+            sums.all_shine += shine.plain;
+            sums.open_shine += select(vec4f(0.0), shine.plain, open);
+            if FACETS {
+                sums.all_grazing += shine.grazing;
+                sums.open_grazing += select(vec4f(0.0), shine.grazing, open);
+            }
         }
         group += 1u;
         if 4u * group >= aim.count { break; }
@@ -79,9 +83,11 @@ fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u3
     let all = sum_of_four(sums.all);
     var diffuse = sum_of_four(sums.open);
     var shine = sum_of_four(sums.open_shine);
+    var grazing = sum_of_four(sums.open_grazing);
     if known >= 0.0 {
         diffuse = all * known;
         shine = sum_of_four(sums.all_shine) * known;
+        grazing = sum_of_four(sums.all_grazing) * known;
     } else {
         keep_share(light, slot, ray, diffuse, all);
     }
@@ -89,8 +95,8 @@ fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u3
     if aim.kind != SURROUNDINGS { intensity = shading_vector(LIGHTS + LIGHT_TEXELS * light + 1u); }
     var arrived = Arrived(intensity * (diffuse / f32(aim.count)), vec3f(0.0));
     if SHINE {
-        let color = of_ray3(surfaces.specular, ray) * intensity;
-        arrived.shine = color * (shine / f32(aim.count));
+        let count = f32(aim.count);
+        arrived.shine = shine_color(surfaces, intensity, shine / count, grazing / count, ray);
     }
     return arrived;
 }
@@ -190,6 +196,8 @@ struct Shares {
     open: vec4f,
     all_shine: vec4f,
     open_shine: vec4f,
+    all_grazing: vec4f,
+    open_grazing: vec4f,
 }
 
 //! if surroundings is ambient

@@ -2,6 +2,8 @@
 
 pub(crate) mod bvh;
 pub(crate) mod cutouts;
+pub(crate) mod emitters;
+pub(crate) mod facets;
 pub(crate) mod geometry;
 pub(crate) mod large;
 pub(crate) mod table;

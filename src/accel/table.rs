@@ -5,6 +5,7 @@ use std::{iter, sync::OnceLock};
 use glam::{DVec3, Vec3, Vec4};
 use half::f16;
 
+use super::{emitters::Emitters, facets};
 use crate::{
     Finish, Light, LightShape, Material, Scene, Sky, SkyMap, Texture, TextureKind, Wrap,
     gpu::Texel,
@@ -16,7 +17,7 @@ use crate::{
 const HEAD: usize = 3;
 
 /// Rec. 709 luminance weights of linear colours.
-const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
+pub(crate) const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
 /// Kind of a checkerboard texture; `CHECKERBOARD` in textures.wgsl.
 const CHECKERBOARD: u32 = 1;
@@ -71,13 +72,20 @@ pub(crate) struct ShadingTable<'a> {
     each: usize,
     /// Number of texels per light.
     each_light: usize,
+    /// Emitting primitives.
+    emitters: Emitters,
 }
 
 impl<'a> ShadingTable<'a> {
     pub(crate) fn of(scene: &'a Scene) -> Self {
         let more = |material: &Material| material.shines() || material.sends_rays();
         let each = material_texels(scene.materials().iter().any(more));
-        Self { scene, each, each_light: light_texels(scene.soft_lights().next().is_some()) }
+        Self {
+            scene,
+            each,
+            each_light: light_texels(scene.soft_lights().next().is_some()),
+            emitters: Emitters::of(scene),
+        }
     }
 
     /// Returns the number of texels before the sky's pixels.
@@ -91,6 +99,19 @@ impl<'a> ShadingTable<'a> {
 
     /// Returns the number of all texels.
     pub(crate) fn count(&self) -> usize {
+        self.before_paths()
+            + self.for_paths().map_or(0, |_| 1 + facets::SIDE * facets::SIDE + self.emitters.texels.len())
+    }
+
+    /// Returns the first texel that only paths read, which says where the others are; `None` if paths need none.
+    fn for_paths(&self) -> Option<Texel> {
+        let facets = self.before_paths() + 1;
+        let emitters = facets + facets::SIDE * facets::SIDE;
+        let head = [facets as u32, emitters as u32, self.emitters.count() as u32, self.emitters.power.to_bits()];
+        (self.each > 1).then_some(head)
+    }
+
+    fn before_paths(&self) -> usize {
         self.before_textures() + self.textures().iter().map(|texture| 1 + body_texels(texture)).sum::<usize>()
     }
 
@@ -102,12 +123,13 @@ impl<'a> ShadingTable<'a> {
     pub(crate) fn texels(&self) -> impl Iterator<Item = Texel> + use<'a> {
         let scene = self.scene;
         let plain = |vector| texel(vector, 0);
-        let [mut nadir, zenith] = match &scene.sky {
+        let [mut nadir, mut zenith] = match &scene.sky {
             Sky::Constant(color) => [*color; 2].map(plain),
             Sky::Gradient { nadir, zenith } => [*nadir, *zenith].map(plain),
             Sky::Map(map) => [[self.before_pictures() as u32, map.size()[0], map.size()[1], 0], [0; 4]],
         };
         nadir[3] = self.before_textures() as u32;
+        zenith[3] = self.before_paths() as u32;
         let head: [_; HEAD] = [texel(scene.rendered_ambient(), scene.lights.len() as u32), nadir, zenith];
         let (each, each_light) = (self.each, self.each_light);
         let lights = scene.lights.iter();
@@ -117,7 +139,12 @@ impl<'a> ShadingTable<'a> {
         let sky = sky_pixels(scene).iter().copied().map(plain);
         let heads = self.placed_textures().map(|(at, texture)| head_of(texture, at));
         let bodies = self.placed_textures().flat_map(|(at, texture)| body_of(texture, at));
-        head.into_iter().chain(lights).chain(materials).chain(sky).chain(heads).chain(bodies)
+        let paths = self.for_paths().into_iter().flat_map(|head| {
+            let facets = facets::reflected_shares().iter().copied();
+            [head].into_iter().chain(facets).chain(self.emitters.texels.iter().copied()).collect::<Vec<_>>()
+        });
+        let pictures = sky.chain(heads).chain(bodies);
+        head.into_iter().chain(lights).chain(materials).chain(pictures).chain(paths.collect::<Vec<_>>())
     }
 
     /// Returns the textures, each with the index of its first body texel.
@@ -132,7 +159,7 @@ impl<'a> ShadingTable<'a> {
     }
 }
 
-fn texel(vector: Vec3, word: u32) -> Texel {
+pub(crate) fn texel(vector: Vec3, word: u32) -> Texel {
     let [x, y, z] = vector.to_array().map(f32::to_bits);
     [x, y, z, word]
 }
@@ -208,7 +235,7 @@ fn material_of(material: &Material) -> [Texel; 4] {
     };
     // The transmission of glass takes the place of opacity.
     let opacity = if kind == 2 { 1.0 } else { material.opacity };
-    let finish = kind | u32::from(fresnel) << 2 | u32::from(opacity < 1.0) << 3;
+    let finish = kind | u32::from(fresnel) << 2 | u32::from(opacity < 1.0) << 3 | u32::from(material.is_chosen()) << 4;
     [
         texel(material.albedo, texture | finish << 24),
         texel(

@@ -55,9 +55,50 @@ pub struct Options {
     /// Use different random numbers in each view. Meant for quilts, whose views overlap on the display, so that equal
     /// noise would be visible.
     pub noise_by_view: bool,
+    /// Light that reaches surfaces by other surfaces.
+    pub light: Lighting,
     /// Answer shadow queries to point lights by shadow-buffers; with `None`, the default, shadow rays are traced.
     pub shadow_buffer: Option<ShadowBuffer>,
 }
+
+/// Light that reaches surfaces by other surfaces.
+///
+/// ```
+/// use stereotrace::{Lighting, Options};
+///
+/// let options = Options::default().light(Lighting::paths(64));
+/// # let _ = options;
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Lighting {
+    /// None but what mirrors and glass show. Ambient light stands for the rest.
+    #[default]
+    Direct,
+    /// Paths of light (Kajiya 1986, "The Rendering Equation"). The sky and emitting surfaces light the scene too, and
+    /// [`Scene::ambient`](crate::Scene::ambient) is not added. Highlights are those of facets
+    /// ([`Material::exponent`](crate::Material::exponent)).
+    Paths {
+        /// Maximum number of surfaces that scatter a path's light after the first, 0 to [`MAX_PATH_BOUNCES`].
+        bounces: u32,
+        /// Paths per pixel, 1 to [`MAX_PATHS`]. If a pixel has several samples ([`Options::samples`]), they share the
+        /// paths.
+        samples: u32,
+    },
+}
+
+impl Lighting {
+    /// Returns paths with this number per pixel, 1 to [`MAX_PATHS`], and the default of 8 bounces.
+    pub const fn paths(samples: u32) -> Self {
+        Self::Paths { bounces: 8, samples }
+    }
+}
+
+/// Maximum number of paths per pixel.
+pub const MAX_PATHS: u32 = 4096;
+
+/// Maximum number of bounces of a path.
+pub const MAX_PATH_BOUNCES: u32 = 32;
 
 /// Tone mapping: how values too bright for the picture are mapped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -206,6 +247,7 @@ impl Options {
             exposure: 0.0,
             tone: Tone::Clamp,
             noise_by_view: false,
+            light: Lighting::Direct,
             shadow_buffer: None,
         }
     }
@@ -353,6 +395,12 @@ impl Options {
         self
     }
 
+    /// Sets the light that reaches surfaces by other surfaces.
+    pub fn light(mut self, light: Lighting) -> Self {
+        self.light = light;
+        self
+    }
+
     /// Checks all values without a device, as every frame does.
     ///
     /// ```
@@ -386,6 +434,18 @@ impl Options {
         if let Some(AmbientOcclusion { rays, radius }) = self.ambient_occlusion {
             within("ambient_occlusion", rays, 1..=MAX_SOFT_RAYS)?;
             above_zero("ambient_occlusion radius", radius)?;
+        }
+        if let Lighting::Paths { bounces, samples } = self.light {
+            within("light bounces", bounces, 0..=MAX_PATH_BOUNCES)?;
+            within("light samples", samples, 1..=MAX_PATHS)?;
+            for (option, is_set) in
+                [("ambient_occlusion", self.ambient_occlusion.is_some()), ("sky_rays", self.sky_rays.is_some())]
+            {
+                if is_set {
+                    let reason = "paths of light (light) bring this light; leave it off".into();
+                    return Err(Error::Options { option, reason });
+                }
+            }
         }
         self.check_adaptive()?;
         self.shadow_buffer.map_or(Ok(()), |buffer| buffer.check())?;

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::{Adaptive, AmbientOcclusion, Error, Options, Penumbra, ShadowBuffer, ShadowRule, Tone};
+use crate::{Adaptive, AmbientOcclusion, Error, Lighting, Options, Penumbra, ShadowBuffer, ShadowRule, Tone};
 
 /// An option of rendering that users set by name.
 ///
@@ -29,6 +29,9 @@ pub struct Setting {
 
 /// Number of levels of adaptive antialiasing if only a tolerance is given. 4 levels have up to 9 samples along a side.
 const LEVELS: u32 = 4;
+
+/// Number of paths per pixel if none is given.
+const PATHS: u32 = 64;
 
 impl Setting {
     /// All settings, the most common first.
@@ -73,6 +76,18 @@ impl Setting {
             about: "Jitter the sample grid, so that near-vertical edges get more levels: true or false",
             set: |options, text| put(&mut options.jitter, flag(text)),
             get: |options| options.jitter.to_string(),
+        },
+        Self {
+            name: "light",
+            form: "direct|paths[=SAMPLES[:BOUNCES]]",
+            about: "Light that reaches surfaces by other surfaces: direct (none but in mirrors and glass), or paths \
+                    (global illumination by path tracing). SAMPLES paths per pixel, 1 to 4096, by default 64; at most \
+                    BOUNCES scattering surfaces after the first, 0 to 32, by default 8",
+            set: |options, text| put(&mut options.light, lighting(text)),
+            get: |options| match options.light {
+                Lighting::Direct => "direct".into(),
+                Lighting::Paths { bounces, samples } => format!("paths={samples}:{bounces}"),
+            },
         },
         Self {
             name: "bounces",
@@ -232,6 +247,23 @@ fn ambient_occlusion(text: &str) -> Result<AmbientOcclusion, String> {
     Ok(AmbientOcclusion::new(count(rays).map_err(wrong)?, radius))
 }
 
+fn lighting(text: &str) -> Result<Lighting, String> {
+    let wrong = || "it must be direct, paths, paths=SAMPLES or paths=SAMPLES:BOUNCES".to_owned();
+    let Some(numbers) = text.strip_prefix("paths") else {
+        return if text == "direct" { Ok(Lighting::Direct) } else { Err(wrong()) };
+    };
+    let mut light = Lighting::paths(PATHS);
+    if let Some((samples, bounces)) = numbers.strip_prefix('=').map(split) {
+        light = Lighting::paths(count(samples).map_err(|_| wrong())?);
+        if let (Some(text), Lighting::Paths { bounces, .. }) = (bounces, &mut light) {
+            *bounces = count(text).map_err(|_| wrong())?;
+        }
+    } else if !numbers.is_empty() {
+        return Err(wrong());
+    }
+    Ok(light)
+}
+
 fn tone(text: &str) -> Result<Tone, String> {
     match text {
         "clamp" => Ok(Tone::Clamp),
@@ -304,12 +336,13 @@ mod tests {
     use super::*;
 
     /// Two values of each setting: the default and another one.
-    const VALUES: [(&str, &str, &str); 17] = [
+    const VALUES: [(&str, &str, &str); 18] = [
         ("method", "auto", "buffer-8-edges"),
         ("samples", "1", "64"),
         ("adaptive", "off", "8.5:3"),
         ("filter", "box", "gauss"),
         ("jitter", "true", "false"),
+        ("light", "direct", "paths=16:3"),
         ("bounces", "5", "0"),
         ("exposure", "0", "-1.5"),
         ("tone", "clamp", "filmic"),

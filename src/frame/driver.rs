@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     Error, OnProgress, Progress,
-    gpu::{Gpu, Timestamps},
+    gpu::{Gpu, Submission, Timestamps},
     kernel::{
         Kernel, Kernels, Resource,
         layout::{self, WORKGROUP},
@@ -28,6 +28,9 @@ use crate::{
     view::rig::Eyes,
 };
 use slots::Slots;
+
+/// Number of steps per submission.
+const MOST_STEPS: usize = 96;
 
 /// The device, and the objects that a renderer keeps between frames.
 pub(crate) struct Engine<'a> {
@@ -171,10 +174,10 @@ impl Driver<'_> {
 
     /// Returns the initial heads of lists. The dispatches that `choose` enables or disables as a whole are initially
     /// enabled.
-    pub(crate) fn heads(&self, plan: &Plan) -> [[u32; 4]; layout::HEADS] {
+    pub(crate) fn heads(&self, plan: &Plan) -> [[u32; 4]; layout::HEADS + layout::PATH_HEADS] {
         let rows = self.targets.shape.bands.rows;
         let block = self.variant.traversal.rays.block();
-        let mut heads = [layout::EMPTY_LIST; layout::HEADS];
+        let mut heads = [layout::EMPTY_LIST; layout::HEADS + layout::PATH_HEADS];
         let tile = if plan.wide { layout::WIDE_TILE } else { layout::TILE };
         for (head, block) in [(layout::TO_SEARCH, tile), (layout::ALL_TRACED, block)] {
             heads[head as usize][..3].copy_from_slice(&self.workgroups(rows, [block, block]));
@@ -182,7 +185,8 @@ impl Driver<'_> {
         heads
     }
 
-    /// Runs all stages of a band. Returns the commands that are not submitted yet.
+    /// Runs all stages of a band. Returns the commands that are not submitted yet. If there are many steps, as with
+    /// paths, they are submitted in parts, of which two are in flight.
     pub(crate) async fn band(&mut self, plan: &Plan, band: &Band) -> Result<wgpu::CommandEncoder, Error> {
         let gpu = self.gpu;
         let mut encoder = self.encoder();
@@ -193,14 +197,28 @@ impl Driver<'_> {
             Ok(())
         };
         gpu.checked(begin).await?;
+        let all = plan.step_count() as f32;
+        let mut encoded = 0;
+        let mut flight: Option<Submission> = None;
         for stage in &plan.stages {
             match stage {
                 Stage::Steps(steps) => {
-                    let encode = || {
-                        self.encode_all(&mut encoder, steps);
-                        Ok(())
-                    };
-                    gpu.checked(encode).await?;
+                    for steps in steps.chunks(MOST_STEPS) {
+                        if encoded >= MOST_STEPS {
+                            let before = std::mem::replace(&mut encoder, self.encoder());
+                            let submitted = gpu.checked(|| Ok(gpu.submit([before.finish()]))).await?;
+                            if let Some(before) = flight.replace(submitted) {
+                                gpu.finished(before).await?;
+                            }
+                            self.tell(plan.name(), band.count() as f32 * (encoded - MOST_STEPS) as f32 / all)?;
+                        }
+                        let encode = || {
+                            self.encode_all(&mut encoder, steps);
+                            Ok(())
+                        };
+                        gpu.checked(encode).await?;
+                        encoded += steps.len();
+                    }
                 }
                 Stage::Host(host) => {
                     let before = std::mem::replace(&mut encoder, self.encoder());
@@ -228,7 +246,7 @@ impl Driver<'_> {
     fn clear(&mut self, encoder: &mut wgpu::CommandEncoder, marks: bool) {
         for (view, source) in self.eyes.sources.iter().enumerate() {
             let pixels = (marks && *source != view).then_some(Resource::View);
-            for resource in [Resource::Counters, Resource::Bounds].into_iter().chain(pixels) {
+            for resource in [Resource::Counters, Resource::Bounds, Resource::Brought].into_iter().chain(pixels) {
                 if let Some(buffer) = self.targets.find((resource, view)) {
                     encoder.clear_buffer(buffer, 0, None);
                 }
@@ -284,8 +302,12 @@ impl Driver<'_> {
         let targets = self.targets;
         match step {
             Step::EmptyLists => {
-                let empty = &targets.empty_lists;
-                encoder.copy_buffer_to_buffer(empty, 0, targets.get(Resource::Lists, 0), 0, Some(empty.size()));
+                let (empty, lists) = (&targets.empty_lists, targets.get(Resource::Lists, 0));
+                encoder.copy_buffer_to_buffer(empty, 0, lists, 0, Some(layout::LISTS_HEADS));
+            }
+            Step::EmptyPaths => {
+                let (empty, paths) = (&targets.empty_lists, targets.get(Resource::Paths, 0));
+                encoder.copy_buffer_to_buffer(empty, layout::LISTS_HEADS, paths, 0, Some(layout::PATHS_HEADS));
             }
             Step::EmptySlots => self.slots.clear(encoder),
             Step::Clear(resource, bytes) => encoder.clear_buffer(targets.get(resource, 0), 0, bytes),

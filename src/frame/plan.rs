@@ -80,6 +80,8 @@ pub(crate) enum Step {
     Copy(usize),
     /// Empties the lists.
     EmptyLists,
+    /// Empties the lists of paths.
+    EmptyPaths,
     /// Empties the 3D buffer.
     EmptySlots,
     /// Clears a buffer, or its first bytes.
@@ -141,6 +143,11 @@ impl Plan {
         })
     }
 
+    /// Returns the number of steps, without those that run on the host.
+    pub(crate) fn step_count(&self) -> usize {
+        self.stages.iter().map(|stage| if let Stage::Steps(steps) = stage { steps.len() } else { 0 }).sum()
+    }
+
     /// Returns the buffers and textures that the plan uses, with kernels of this variant.
     pub(crate) fn uses(&self, kernels: &Kernels, with: &Variant) -> Used {
         let mut used = Used { searched: self.samples, ..Used::default() };
@@ -156,7 +163,7 @@ impl Plan {
                     used.places.extend(with.linear.then_some((Resource::Linear, view)));
                 }
                 // These steps add no places, since the plan's kernels bind the same buffers.
-                Step::EmptyLists | Step::EmptySlots | Step::Clear(..) => {}
+                Step::EmptyLists | Step::EmptyPaths | Step::EmptySlots | Step::Clear(..) => {}
             }
         }
         // Statistics are read for every view.

@@ -33,8 +33,10 @@ impl Resource {
             Self::SourceCounters => Some((Self::Counters, source)),
             Self::SourceSamples => Some((Self::KeptSamples, source)),
             Self::KeptSamples => Some((self, if view == source { view } else { UNREAD })),
-            Self::View | Self::Linear | Self::Bounds | Self::Counters => Some((self, view)),
-            Self::Packed | Self::Lists | Self::TBuffer | Self::Drawing | Self::Unfinished => Some((self, 0)),
+            Self::View | Self::Linear | Self::Bounds | Self::Counters | Self::Brought => Some((self, view)),
+            Self::Packed | Self::Lists | Self::TBuffer | Self::Drawing | Self::Unfinished | Self::Paths => {
+                Some((self, 0))
+            }
             Self::Frame | Self::Bvh | Self::Geometry | Self::Table | Self::ObjectTable => None,
             Self::Slots | Self::SecondSamples | Self::Wanted | Self::ShadowBuffers | Self::Picture => None,
             Self::Texels | Self::Steps | Self::RayList | Self::Found => None,
@@ -97,6 +99,8 @@ impl Shape {
                 let results = if searched { 1 + layout::TILE_WORDS } else { 0 };
                 layout::LISTS_HEADS + 4 * tiles * u64::from(layout::TILE_PIXELS + results)
             }
+            Resource::Paths => layout::PATHS_HEADS + pixels.saturating_mul(size_of::<layout::Path>() as u64),
+            Resource::Brought => pixels.saturating_mul(size_of::<layout::Brought>() as u64),
             Resource::TBuffer => pixels.saturating_mul(8),
             Resource::Drawing => self.drawing_bytes,
             Resource::Unfinished => 4,
@@ -155,7 +159,7 @@ pub(crate) struct Targets {
     pub(crate) indirect: wgpu::Buffer,
     /// Textures with the samples of views, which `bracket` reads.
     samples: BTreeMap<Place, wgpu::TextureView>,
-    /// Initial heads of lists.
+    /// Initial heads of lists, and of lists of paths.
     pub(crate) empty_lists: wgpu::Buffer,
     buffers: BTreeMap<Place, wgpu::Buffer>,
 }
@@ -197,8 +201,11 @@ impl Targets {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             gpu.device.create_buffer(&descriptor)
         };
-        let empty_lists =
-            plain("empty_lists", layout::LISTS_HEADS, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST);
+        let empty_lists = plain(
+            "empty_lists",
+            layout::LISTS_HEADS + layout::PATHS_HEADS,
+            wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+        );
         Ok(Self {
             shape,
             uniforms: plain(

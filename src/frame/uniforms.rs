@@ -4,29 +4,34 @@ use super::{bands::Band, executor::Held};
 use crate::kernel::layout;
 
 /// Distance between two uniforms in bytes: WebGPU's default alignment of uniform offsets.
-pub(crate) const STRIDE: u64 = 256;
+const STRIDE: u64 = 256;
 
 /// Returns the size of the uniforms of all views, in bytes.
 pub(crate) fn uniforms_bytes(views: usize, parts: u32) -> u64 {
     views as u64 * u64::from(parts) * STRIDE
 }
 
-/// The rays to one soft light that a dispatch traces.
+/// What a dispatch traces, if a step has several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Part {
-    /// Index among all lights. Ambient light, or the sky light that replaces it, follows the last light.
-    pub(crate) light: u32,
-    /// Index among the sources that are not point lights.
-    pub(crate) slot: u32,
-    /// Index of the first ray.
-    pub(crate) first: u32,
+pub(crate) enum Part {
+    /// Rays to a soft light.
+    Soft {
+        /// Index among all lights. Ambient light, or the sky light that replaces it, follows the last light.
+        light: u32,
+        /// Index among the sources that are not point lights.
+        slot: u32,
+        /// Index of the first ray.
+        first: u32,
+    },
+    /// The rays of this number along all paths, counted from 1.
+    Paths { ray: u32 },
 }
 
 /// The uniforms of all views.
 #[derive(Debug)]
 pub(crate) struct Uniforms {
     views: Vec<layout::Frame>,
-    /// Parts of soft light, one per dispatch. Each part has its own uniform.
+    /// Parts of soft light, then of paths. Each part has its own uniform.
     parts: Vec<Part>,
 }
 
@@ -61,8 +66,12 @@ impl Uniforms {
         let mut bytes = vec![0; uniforms_bytes(self.views.len(), self.each() as u32) as usize];
         for (index, place) in bytes.chunks_exact_mut(STRIDE as usize).enumerate() {
             let mut frame = self.views[index / self.each()];
-            if let Some(Part { light, slot, first }) = self.parts.get(index % self.each()) {
-                frame.lighting = layout::Lighting { light: *light, slot: *slot, first_ray: *first, ..frame.lighting };
+            match self.parts.get(index % self.each()) {
+                Some(&Part::Soft { light, slot, first }) => {
+                    frame.lighting = layout::Lighting { light, slot, first_ray: first, ..frame.lighting };
+                }
+                Some(&Part::Paths { ray }) => frame.paths.ray = ray,
+                None => {}
             }
             place[..size_of::<layout::Frame>()].copy_from_slice(bytemuck::bytes_of(&frame));
         }

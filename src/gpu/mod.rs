@@ -22,3 +22,4 @@ pub(crate) use timing::{Timestamps, add_times};
 #[doc(hidden)] // a part of `Traversal`, which the feature `testing` makes public
 pub use transfer::Fetch;
 pub(crate) use transfer::{TEXTURE_WIDTH, Texel, Texels, check_bytes};
+pub(crate) use wait::Submission;

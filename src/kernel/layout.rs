@@ -2,6 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::MAX_PATH_BOUNCES;
+
 /// `Eyes` of shaders/shared/frame.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -74,6 +76,16 @@ pub(crate) struct Costs {
     pub(crate) _pad: u32,
 }
 
+/// `PathRay` of shaders/shared/frame.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct PathRay {
+    pub(crate) ray: u32,
+    pub(crate) bounces: u32,
+    pub(crate) first: u32,
+    pub(crate) _pad: u32,
+}
+
 /// `Frame` of shaders/shared/frame.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -83,6 +95,7 @@ pub(crate) struct Frame {
     pub(crate) lighting: Lighting,
     pub(crate) display: Display,
     pub(crate) costs: Costs,
+    pub(crate) paths: PathRay,
 }
 
 /// `Frame` of shaders/shared/frame.wgsl for a light's shadow-buffer.
@@ -122,6 +135,30 @@ pub(crate) struct Pixel {
     pub(crate) color: u32,
 }
 
+/// `Path` of shaders/shared/paths.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Path {
+    pub(crate) origin: [f32; 3],
+    pub(crate) travelled: f32,
+    pub(crate) direction: [f32; 3],
+    pub(crate) density: f32,
+    pub(crate) weight: [f32; 3],
+    pub(crate) is_diffuse: u32,
+    pub(crate) entries: [u32; 2],
+    pub(crate) _pad: [u32; 2],
+}
+
+/// `Brought` of shaders/shared/paths.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Brought {
+    pub(crate) diffuse: [f32; 3],
+    pub(crate) paths: u32,
+    pub(crate) glossy: [f32; 3],
+    pub(crate) squares: f32,
+}
+
 /// `Mapping` of shaders/shared/frame.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -154,6 +191,11 @@ pub(crate) const TO_SEARCH: u32 = 4;
 pub(crate) const ALL_TRACED: u32 = 5;
 /// Offset of the entries in `Lists`, in bytes.
 pub(crate) const LISTS_HEADS: u64 = (HEADS * size_of::<[u32; 4]>()) as u64;
+
+/// Number of lists of paths, one for each ray of a path (`shaders/shared/paths.wgsl`).
+pub(crate) const PATH_HEADS: usize = MAX_PATH_BOUNCES as usize + 1;
+/// Offset of the paths in `Paths`, in bytes.
+pub(crate) const PATHS_HEADS: u64 = (PATH_HEADS * size_of::<[u32; 4]>()) as u64;
 
 /// Number of threads of a workgroup in x and in y (`shaders/shared/pixels.wgsl`).
 pub(crate) const WORKGROUP: u32 = 8;

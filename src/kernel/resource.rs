@@ -41,6 +41,10 @@ resources! {
     SourceCounters = "source_counters",
     /// Lists of pixels or tiles with heads for indirect dispatches, followed by the results of `search_tiles`.
     Lists = "lists",
+    /// Paths of light of the current view.
+    Paths = "paths",
+    /// Light that the paths of the current view brought.
+    Brought = "brought",
     /// The 3D buffer.
     Slots = "slots",
     /// Samples of the current view, for views that are made from it.

@@ -22,6 +22,8 @@ pub(crate) enum Role {
     RayList(Dispatches),
     /// Shades hits, or prepares their shading.
     Shade(Shading),
+    /// Follows paths of light from hits, or adds the light that they brought.
+    Paths,
 }
 
 /// The pixels whose hits a kernel finds.
@@ -149,6 +151,7 @@ impl Role {
             Self::Draw(canvas) => Does { canvas, ..Does::PLAIN },
             Self::RayList(dispatches) => Does { dispatches, ..Does::PLAIN },
             Self::Shade(shading) => shading.does(),
+            Self::Paths => Does { follows: true, minds_mask: true, ..Does::PLAIN },
         }
     }
 
@@ -156,7 +159,7 @@ impl Role {
     pub(crate) fn reads_tree(self) -> bool {
         match self {
             Self::Pixels | Self::LinearPixels | Self::MarkBusy | Self::Objects => false,
-            Self::Hits(_) | Self::Draw(_) | Self::RayList(_) | Self::Shade(_) => true,
+            Self::Hits(_) | Self::Draw(_) | Self::RayList(_) | Self::Shade(_) | Self::Paths => true,
         }
     }
 }

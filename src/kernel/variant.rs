@@ -146,6 +146,8 @@ pub(crate) struct Variant {
     pub(crate) occlusion_rays: u32,
     /// Whether sky light replaces ambient light.
     pub(crate) sky_light: bool,
+    /// Whether paths of light replace ambient light.
+    pub(crate) paths: bool,
     /// Whether views reuse shares of soft light in addition to visibility bits.
     pub(crate) shares: bool,
     pub(crate) sky: SkyKind,
@@ -199,6 +201,7 @@ impl Variant {
         shadow_rays: 0,
         occlusion_rays: 0,
         sky_light: false,
+        paths: false,
         shares: false,
         sky: SkyKind::Constant,
         world_boxes: false,
@@ -265,10 +268,24 @@ impl Variant {
             Role::Shade(Shading::ListMirrors | Shading::Mirrored) => Self {
                 traversal: self.traversal.rays(RaysPerLane::One),
                 close: true,
+                paths: false,
                 samples: false,
                 second: false,
                 bits: ShadowReuse::Rays,
                 shares: false,
+                ..self
+            },
+            // Paths start anywhere, like the rays above. They find lights themselves.
+            Role::Paths => Self {
+                traversal: self.traversal.rays(RaysPerLane::One),
+                close: true,
+                lights: false,
+                shadows: Shadows::None,
+                samples: false,
+                second: false,
+                bits: ShadowReuse::Rays,
+                shares: false,
+                shadow_rays: 0,
                 ..self
             },
             Role::Shade(_) => self,
@@ -297,6 +314,7 @@ impl Variant {
             shadow_rays: 0,
             occlusion_rays: 0,
             sky_light: false,
+            paths: false,
             shares: false,
             sky: SkyKind::Constant,
             samples: false,

@@ -11,7 +11,11 @@ mod sweep;
 use crate::{
     Method, ShadowReuse,
     frame::plan::{InSteps, Made, Plan, Stage, targets},
-    steps::{mirrors, trace},
+    steps::{
+        mirrors,
+        paths::{self, Paths},
+        trace,
+    },
     t_buffer::{self, Drawn},
 };
 
@@ -20,8 +24,10 @@ use crate::{
 pub(crate) struct Views<'a> {
     /// The source of each view. A traced view is its own source.
     pub(crate) sources: &'a [usize],
-    /// Whether some surface reflects or transmits rays.
+    /// Whether some surface reflects or transmits rays that a step follows.
     pub(crate) mirrors: bool,
+    /// Paths of light, if they are followed.
+    pub(crate) paths: Option<Paths>,
     /// Number of parts in which soft light is sampled, or `None` without soft light.
     pub(crate) soft: Option<usize>,
     /// Whether tiles are searched four at a time, as is done for several samples per pixel.
@@ -63,7 +69,7 @@ impl Promise {
 
 /// Returns the plan of a method.
 pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
-    let Views { sources, mirrors, soft, wide, drawn } = *views;
+    let Views { sources, mirrors, paths, soft, wide, drawn } = *views;
     let Promise { made, bits, samples, reaches, follows } = promise(method, drawn.is_some());
     let behind = |view| if mirrors { mirrors::of(view) } else { Vec::new() };
     let all = 0..sources.len();
@@ -77,11 +83,14 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
             stages.push(Stage::Steps(behind(view)));
         }
     }
+    // Methods that copy colour copy it before paths add to it.
+    let followed = |view| paths.map_or(Vec::new(), |paths| paths::of(view, paths));
+    stages.extend(all.clone().map(|view| Stage::Steps(followed(view))));
     let traced = if drawn.is_some() { Made::Drawn } else { Made::Traced };
     let made = all.clone().map(|view| if sources[view] == view { traced } else { made }).collect();
     let in_steps = all.map(|view| InSteps {
         trace: trace::in_steps(view, sources[view]),
-        after: [trace::after_steps(view, soft), behind(view)].concat(),
+        after: [trace::after_steps(view, soft), behind(view), followed(view)].concat(),
     });
     let in_steps = in_steps.collect();
     Plan { stages: joined(stages), bits, samples, wide, reaches, made, sources: sources.to_vec(), in_steps }

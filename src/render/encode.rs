@@ -9,7 +9,7 @@ use crate::{
         plan::Plan,
         show::{SHOW_COLOR, SHOW_DEPTH},
         targets::Targets,
-        uniforms::{STRIDE, uniforms_bytes},
+        uniforms::uniforms_bytes,
     },
     kernel::Resource,
     shadow_buffer::Tables,
@@ -102,8 +102,7 @@ impl Renderer {
             let encoded = Encoded::new(&gpu, views.collect(), &targets, tables.clone());
             let mut commands = Vec::new();
             let bands = targets.shape.bands;
-            let mut upload = bytemuck::cast_slice(&driver.heads(&plan)).to_vec();
-            upload.resize(STRIDE as usize, 0);
+            let mut upload: Vec<u8> = bytemuck::cast_slice(&driver.heads(&plan)).to_vec();
             for index in 0..bands.count() {
                 let mut own = into.is_none().then(|| driver.encoder());
                 let encoder = own.as_mut().or(into.as_deref_mut()).expect("one of the two");
@@ -134,7 +133,7 @@ impl Encoded {
         Self {
             views,
             unfinished: buffer("unfinished", 4, to | wgpu::BufferUsages::MAP_READ),
-            _upload: buffer("uniforms", STRIDE + uniforms, from | to),
+            _upload: buffer("uniforms", targets.empty_lists.size() + uniforms, from | to),
             _targets: targets.clone(),
             _tables: tables,
         }
@@ -144,7 +143,7 @@ impl Encoded {
     fn encode_band(&self, driver: &mut Driver<'_>, plan: &Plan, encoder: &mut wgpu::CommandEncoder, index: u32) {
         let targets = &self._targets;
         let uniforms = uniforms_bytes(targets.shape.views, targets.shape.parts);
-        let begin = STRIDE + u64::from(index) * uniforms;
+        let begin = targets.empty_lists.size() + u64::from(index) * uniforms;
         encoder.copy_buffer_to_buffer(&self._upload, begin, &targets.uniforms, 0, Some(uniforms));
         if index == 0 {
             encoder.copy_buffer_to_buffer(&self._upload, 0, &targets.empty_lists, 0, Some(targets.empty_lists.size()));

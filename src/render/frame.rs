@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::tally::Tally;
 use crate::{
-    Choice, Error, Method, OnProgress, OnRows, Options, PassTimes, Penumbra, RaysPerLane, Renderer, Rows,
+    Choice, Error, Lighting, Method, OnProgress, OnRows, Options, PassTimes, Penumbra, RaysPerLane, Renderer, Rows,
     ShadowBufferWork, ShadowReuse, Tone, UploadedScene, Visibility,
     frame::{
         Band, Bands,
@@ -21,6 +21,7 @@ use crate::{
     message::counted,
     methods::{self, auto::CostModel},
     sampling::Jitter,
+    steps::paths::Paths,
     t_buffer::Drawn,
     view::rig::Eyes,
 };
@@ -104,7 +105,7 @@ impl Renderer {
     ) -> Result<Done, Error> {
         scene.belongs_to(&self.gpu)?;
         options.check()?;
-        if options.sky_rays.is_some() {
+        if options.sky_rays.is_some() || options.light != Lighting::Direct {
             scene.weigh_sky().await?;
         }
         let tables = scene.shadow_tables(&self.kernels, options).await?;
@@ -172,6 +173,7 @@ impl Renderer {
         (model, shape): (&CostModel, &Shape),
     ) -> Uniforms {
         let jitter = Jitter::of(options);
+        let paths = Paths::of(options, 0);
         let view = |view| layout::Frame {
             eyes: jitter.beside(eyes.uniform(view)),
             band: layout::Band {
@@ -201,10 +203,9 @@ impl Renderer {
                 disagreed: model.disagreed,
                 _pad: 0,
             },
+            paths: layout::PathRay { bounces: paths.map_or(0, |paths| paths.rays - 1), ..Default::default() },
         };
-        // The list has the length that `Shape::parts` states, whether or not a step uses the parts.
-        let parts: Vec<Part> = scene.soft.parts(options);
-        Uniforms::new((0..eyes.sources.len()).map(view).collect(), parts)
+        Uniforms::new((0..eyes.sources.len()).map(view).collect(), parts_of(scene, options).collect())
     }
 
     /// Returns a frame's method, the early choice of `Auto` if it can be made before the first step, and the plan.
@@ -222,7 +223,9 @@ impl Renderer {
         let chosen = early.map_or(method, |choice| choice.method);
         let views = methods::Views {
             sources: &eyes.sources,
-            mirrors: scene.variant.mirrors,
+            mirrors: scene.variant.mirrors && options.light == Lighting::Direct,
+            paths: Paths::of(options, scene.soft.parts(options).len())
+                .filter(|_| scene.variant.has_tree() || scene.variant.planes > 0),
             soft,
             wide: options.samples > 1,
             drawn,
@@ -273,7 +276,7 @@ impl Renderer {
             g_buffer: options.g_buffer,
             soft_sources: scene.soft.count(options),
             drawing_bytes: drawn.map_or(0, Drawn::list_bytes),
-            parts: (scene.soft.parts(options).len() as u32).max(1),
+            parts: (parts_of(scene, options).count() as u32).max(1),
         }
     }
 
@@ -289,7 +292,7 @@ impl Renderer {
         Variant {
             traversal: counting.traversal.rays(rays),
             projection: eyes.projection,
-            linear: options.linear,
+            linear: options.linear || options.light != Lighting::Direct,
             jitter: Jitter::of(options).side(),
             close: scene.close_to(&eyes.positions()),
             bits,
@@ -298,6 +301,7 @@ impl Renderer {
             shadow_rays,
             occlusion_rays,
             sky_light: options.sky_rays.is_some(),
+            paths: options.light != Lighting::Direct,
             shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
             casts: counting.casts || !soft,
             shadow_buffer: scene.casters().reading(options),
@@ -315,6 +319,13 @@ impl Renderer {
         self.cache.targets.push(targets.clone());
         Ok(targets)
     }
+}
+
+/// Returns the parts of soft light and of paths, whether or not a step uses them.
+fn parts_of(scene: &UploadedScene, options: &Options) -> impl Iterator<Item = Part> {
+    let soft = scene.soft.parts(options);
+    let paths = Paths::of(options, soft.len());
+    soft.into_iter().chain(paths.into_iter().flat_map(Paths::parts))
 }
 
 impl Frame<'_> {

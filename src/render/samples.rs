@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use super::frame::Done;
 use crate::{
-    Error, GBuffer, OnProgress, Options, PassTimes, Progress, Renderer, UploadedScene,
+    Error, GBuffer, Lighting, OnProgress, Options, PassTimes, Progress, Renderer, UploadedScene,
     ask::samples::side_of,
     frame::{OnRows, Rows, targets::MOST_BYTES, wanted::Wanted},
     message::counted,
@@ -72,7 +72,7 @@ impl Renderer {
             Ok(())
         };
         // Linear colour is not needed here, but it makes this frame use the same kernels as the other frames.
-        let options = Options { linear: true, samples: 1, ..options.clone() };
+        let options = Options { linear: true, samples: 1, light: Lighting::Direct, ..options.clone() };
         let done = self.frame(scene, eyes, &options, Wanted::all(pictures), progress, &mut keep).await?;
         Ok((done, centres))
     }

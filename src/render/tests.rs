@@ -4,7 +4,7 @@ use std::{num::NonZeroU32, ops::ControlFlow};
 use glam::{DVec3, Vec3};
 
 use crate::{
-    BufferDepth, Check, Error, GBuffer, Gpu, Method, Options, Renderer, Rows, Scene, Statistics, StereoCamera,
+    BufferDepth, Check, Error, Lighting, GBuffer, Gpu, Method, Options, Renderer, Rows, Scene, Statistics, StereoCamera,
     StereoPair, Traversal, UploadedScene,
     frame::{
         Bands,
@@ -58,7 +58,8 @@ fn bands_change_nothing_but_the_number_of_dispatches() {
     let shipped = [Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS];
     let all = Method::ALL.iter().copied().chain(["buffer-edges".parse().unwrap(), "buffer-3".parse().unwrap()]);
     let counted = all.map(|method| Options::new(method).count(true).cost_map(true).linear(true));
-    for options in counted.chain(shipped.map(Options::new)) {
+    let paths = Options::new(Method::BRACKET).light(Lighting::Paths { bounces: 2, samples: 2 }).linear(true);
+    for options in counted.chain(shipped.map(Options::new)).chain([paths]) {
         let method = options.method;
         let [whole, banded] = [USUAL, 130 * 64].map(|band_pixels| {
             renderer.band_pixels = band_pixels;
@@ -113,7 +114,14 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let scene = renderer.upload(&Scene::new()).wait().unwrap();
     let run = async {
         // The source depths are given, so the step that traces the source is removed.
-        let views = methods::Views { sources: &eyes.sources, mirrors: false, soft: None, wide: false, drawn: None };
+        let views = methods::Views {
+            sources: &eyes.sources,
+            mirrors: false,
+            paths: None,
+            soft: None,
+            wide: false,
+            drawn: None,
+        };
         let mut plan = methods::plan(method, &views);
         let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
         steps.remove(0);

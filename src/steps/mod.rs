@@ -3,6 +3,7 @@
 pub(crate) mod bracket;
 pub(crate) mod edges;
 pub(crate) mod mirrors;
+pub(crate) mod paths;
 pub(crate) mod reproject;
 pub(crate) mod resolve;
 pub(crate) mod soft;

@@ -63,7 +63,7 @@ impl SoftLights {
     pub(crate) fn parts(&self, options: &Options) -> Vec<Part> {
         let parts = |(slot, (light, rays, hidden)): (usize, (u32, u32, bool))| {
             let firsts = (0..if hidden { rays } else { 0 }).step_by(PART_RAYS as usize);
-            firsts.map(move |first| Part { light, slot: slot as u32, first })
+            firsts.map(move |first| Part::Soft { light, slot: slot as u32, first })
         };
         self.sources(options).enumerate().flat_map(parts).collect()
     }

@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 
 use super::{variants::variants, *};
-use crate::shadow_buffer::READ_TEXELS;
+use crate::{accel::facets, shadow_buffer::READ_TEXELS, steps::paths::TRACE_PATHS};
 
 macro_rules! assert_layout {
     ($module:expr, $name:ident { $($field:ident),* $(,)? }) => {{
@@ -59,7 +59,8 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     );
     assert_layout!(module, Display { exposure, filmic, words_read, _pad });
     assert_layout!(module, Costs { least_spared, listed, disagreed, _pad });
-    assert_layout!(module, Frame { eyes, band, lighting, display, costs });
+    assert_layout!(module, PathRay { ray, bounces, first, _pad });
+    assert_layout!(module, Frame { eyes, band, lighting, display, costs, paths });
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
     let stated = [
         ("grid_origin", offset_of!(layout::CutOutBvh, bvh.grid_origin)),
@@ -84,6 +85,14 @@ fn host_and_wgsl_structs_have_the_same_layout() {
         _ => None,
     });
     assert_eq!(header.map(u64::from), Some(layout::LISTS_HEADS));
+    let paths = &parse(&TRACE_PATHS, &Variant { paths: true, ..with });
+    let header = paths.types.iter().find_map(|(_, kind)| match &kind.inner {
+        naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("Paths") => Some(members[1].offset),
+        _ => None,
+    });
+    assert_eq!(header.map(u64::from), Some(layout::PATHS_HEADS));
+    assert_layout!(paths, Path { origin, travelled, direction, density, weight, is_diffuse, entries, _pad });
+    assert_layout!(paths, Brought { diffuse, paths, glossy, squares });
 }
 
 #[test]
@@ -123,6 +132,7 @@ fn counters_and_marks_have_the_same_numbers_in_both_languages() {
         ("BRACKET_CHOSEN", layout::BRACKET_CHOSEN),
         ("TO_SEARCH", layout::TO_SEARCH),
         ("ALL_TRACED", layout::ALL_TRACED),
+        ("SHARES_SIDE", facets::SIDE as u32),
     ];
     for (name, value) in numbers {
         let decimal = format!("const {name}: u32 = {value}u;");

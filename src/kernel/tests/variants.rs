@@ -21,6 +21,7 @@ use crate::{
         },
         edges::MARK_EDGES,
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
+        paths::{ADD_BROUGHT, BEGIN_PATHS, TRACE_PATHS},
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
         soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
@@ -30,9 +31,12 @@ use crate::{
     view::rig::Projection,
 };
 
-pub(super) const ALL: [&Kernel; 54] = [
+pub(super) const ALL: [&Kernel; 57] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
+    &BEGIN_PATHS,
+    &TRACE_PATHS,
+    &ADD_BROUGHT,
     &TRACE_IN_STEPS,
     &CLOSEST_HITS_IN_STEPS,
     &ANY_HITS_IN_STEPS,
@@ -128,8 +132,8 @@ pub(super) fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3, 2, 4, 2]);
-    let with = |row: &[usize; 16]| {
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3, 2, 4, 2, 2]);
+    let with = |row: &[usize; 17]| {
         let &[
             traversal,
             kind,
@@ -147,6 +151,7 @@ pub(super) fn variants() -> Vec<Variant> {
             jitter,
             buffer,
             camera,
+            paths,
         ] = row;
         let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
             (traversals[traversal], kinds[kind]);
@@ -176,6 +181,7 @@ pub(super) fn variants() -> Vec<Variant> {
             shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
             occlusion_rays: if soft > 1 { 32 } else { 0 },
             sky_light: soft > 3,
+            paths: paths == 1,
             shares: soft > 0 && bits == 1,
             sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
             world_boxes,
@@ -208,6 +214,10 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
         Role::Shade(Shading::ListMirrors | Shading::Mirrored) => {
             all.retain(|with| with.has_tree() || with.planes > 0);
             all.iter_mut().for_each(|with| with.mirrors = true);
+        }
+        Role::Paths => {
+            all.retain(|with| with.has_tree() || with.planes > 0);
+            all.iter_mut().for_each(|with| (with.paths, with.linear) = (true, true));
         }
         Role::Shade(Shading::Soft | Shading::SoftListed) => all.retain(Variant::is_soft),
         Role::Shade(Shading::SoftUnknown) => all.retain(|with| with.is_soft() && with.has_tree()),

@@ -6,13 +6,13 @@ use crate::{
     kernel::layout::LARGE,
     kernel::traversal::{Boxes, Fetch, RaysPerLane},
     kernel::wgsl::{self, Choice, Linked},
-    kernel::{Canvas, Dispatches, Does, Kernel, SampleUse, Visible},
+    kernel::{Canvas, Dispatches, Does, Kernel, Role, SampleUse, Visible},
     view::rig::Projection,
 };
 
 impl Kernel {
     /// Returns the value of each choice in shared WGSL.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 30] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 31] {
         let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
@@ -49,13 +49,15 @@ impl Kernel {
         };
         let shine = match (with.shine, with.normalised) {
             (false, _) => "none",
+            (true, _) if with.paths => "facets",
             (true, false) => "some",
             (true, true) => "normalised",
         };
         let mirrors = match (with.mirrors, follows) {
             (false, _) => "none",
-            (true, false) => "listed",
             (true, true) => "followed",
+            (true, false) if with.paths => "none",
+            (true, false) => "listed",
         };
         let soft = match with.soft_role(self.role) {
             SoftRole::None => "none",
@@ -65,6 +67,13 @@ impl Kernel {
             SoftRole::Followed => "followed",
         };
         let surroundings = match (soft, with.sky) {
+            _ if self.role == Role::Paths => {
+                if with.sky == SkyKind::Map {
+                    "map"
+                } else {
+                    "none"
+                }
+            }
             ("none" | "skipped", _) => "none",
             _ if !with.sky_light => "ambient",
             (_, SkyKind::Constant | SkyKind::Gradient) => "cosine",
@@ -107,6 +116,7 @@ impl Kernel {
             ("uv", if with.uv { "some" } else { "none" }),
             ("colors", if with.colors { "some" } else { "none" }),
             ("textures", if with.textures { "some" } else { "none" }),
+            ("light", if with.paths { "paths" } else { "direct" }),
             ("shine", shine),
             ("mirrors", mirrors),
             ("sky", sky),
@@ -152,6 +162,7 @@ impl Kernel {
             flag("CLOSE", with.close),
             ("LARGE", "f32", format!("{LARGE:?}")),
             flag("SHINE", with.shine),
+            flag("FACETS", with.shine && with.paths),
             number("MATERIAL_TEXELS", material_texels(with.shine || with.mirrors) as u32),
             number("PRIMITIVE_TEXELS", count as u32),
             number("LIGHT_TEXELS", light_texels(with.soft_lights) as u32),

@@ -1,0 +1,145 @@
+// Microfacets: the GGX distribution of normals with Smith's height-correlated masking (Heitz 2014, "Understanding the
+// Masking-Shadowing Function"), equal in all directions.
+
+//! use aims, fetch, materials, table
+
+//! if light is paths
+const TWO_PI: f32 = 6.2831853;
+const INVERSE_PI: f32 = 0.31830989;
+
+// Highlights with a smaller alpha are mirrors.
+const LEAST_ALPHA: f32 = 1e-3;
+
+// How a surface scatters light, for one direction to the viewer.
+struct Lobes {
+    diffuse: vec3f,         // albedo of diffuse reflection, below what the highlight lets through
+    opacity: f32,           // share of the background that the surface hides
+    reflectance: vec3f,     // of the highlight or mirror at normal incidence
+    alpha: f32,             // width of the highlight
+    gain: vec3f,            // factor of the highlight for light reflected between facets
+    glossy: f32,            // brightness of the highlight, mirror or glass under a white sky
+    transmission: vec3f,    // share of the light that enters glass and is transmitted
+    index: f32,             // index of refraction of glass
+    is_glass: bool,
+    is_fresnel: bool,       // whether reflection grows towards grazing angles
+}
+
+fn brightness(color: vec3f) -> f32 { return dot(color, vec3f(0.2126, 0.7152, 0.0722)); }
+
+// Returns Phong's exponent as the alpha of a lobe of about the same width (Walter et al. 2007, "Microfacet Models for
+// Refraction through Rough Surfaces", section 5.2).
+fn alpha_of_exponent(exponent: f32) -> f32 { return sqrt(2.0 / (phong_exponent(exponent) + 2.0)); }
+
+// Returns the lobes of a surface with this albedo, seen at an angle of this cosine.
+fn lobes_of(material: Material, albedo: vec3f, cosine: f32) -> Lobes {
+    var lobes: Lobes;
+    lobes.diffuse = albedo;
+    lobes.opacity = 1.0;
+    if MATERIAL_TEXELS == 1u { return lobes; }
+    lobes.opacity = material.opacity;
+    lobes.reflectance = material.specular;
+    lobes.is_fresnel = material.fresnel;
+    if material.kind == GLASS {
+        lobes.is_glass = true;
+        lobes.transmission = material.transmission;
+        lobes.index = material.index;
+        lobes.glossy = 1.0;
+        return lobes;
+    }
+    let facing = clamp(cosine, 0.0, 1.0);
+    var seen = material.specular;
+    if material.kind == MIRROR {
+        if !material.fresnel {
+            lobes.glossy = brightness(seen);
+            return lobes;
+        }
+        seen = schlick(lobes, facing);
+    } else {
+        if all(material.specular == vec3f(0.0)) { return lobes; }
+        lobes.is_fresnel = true;
+        lobes.alpha = max(alpha_of_exponent(material.exponent), LEAST_ALPHA);
+        let shares = reflected_shares(lobes.alpha, facing);
+        // Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet Models".
+        lobes.gain = material.specular * (1.0 / (shares.x + shares.y) - 1.0);
+        seen = (material.specular * shares.x + shares.y) * (1.0 + lobes.gain);
+    }
+    lobes.diffuse *= 1.0 - seen;
+    lobes.glossy = brightness(seen);
+    return lobes;
+}
+
+// Returns the probability that a path follows the highlight, mirror or glass rather than diffuse reflection.
+fn glossy_chance(lobes: Lobes) -> f32 {
+    return lobes.glossy / max(lobes.glossy + brightness(lobes.diffuse), 1e-30);
+}
+
+// Returns the reflectance for the cosine of the angle to a facet's normal.
+fn schlick(lobes: Lobes, cosine: f32) -> vec3f {
+    if !lobes.is_fresnel { return lobes.reflectance; }
+    let grazing = pow(1.0 - cosine, 5.0);
+    return mix(lobes.reflectance, vec3f(1.0), grazing) * (1.0 + lobes.gain);
+}
+
+// Returns the density of facets whose normals have this cosine with the surface's normal.
+fn facet_density(alpha: f32, upright: f32) -> f32 {
+    let squared = alpha * alpha;
+    let d = (upright * upright) * (squared - 1.0) + 1.0;
+    return squared * INVERSE_PI / max(d * d, 1e-30);
+}
+
+// Returns the share of facets that both directions see, over four times both cosines.
+fn facet_visibility(alpha: f32, to_light: f32, to_viewer: f32) -> f32 {
+    let squared = alpha * alpha;
+    let a = to_light * sqrt(to_viewer * to_viewer * (1.0 - squared) + squared);
+    let b = to_viewer * sqrt(to_light * to_light * (1.0 - squared) + squared);
+    return 0.5 / max(a + b, 1e-30);
+}
+
+// Reflected directions are chosen by the facets that the viewer sees, among those that reflect upwards (Eto and
+// Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections"). Equations 5 and 6 bound the cosine.
+fn bound_of(alpha: f32, to_viewer: f32) -> f32 {
+    let scale = 1.0 + sqrt(max(1.0 - to_viewer * to_viewer, 0.0));
+    let squared = alpha * alpha;
+    let limit = scale * scale;
+    return (1.0 - squared) * limit / (limit + squared * to_viewer * to_viewer);
+}
+
+// Returns a direction's density over the density of its facets.
+fn bounded_density(alpha: f32, to_viewer: f32) -> f32 {
+    let sine = alpha * alpha * max(1.0 - to_viewer * to_viewer, 0.0);
+    return 0.5 / (bound_of(alpha, to_viewer) * to_viewer + sqrt(sine + to_viewer * to_viewer));
+}
+
+// Chooses a reflected direction by a point in the unit square.
+fn bounded_direction(normal: vec3f, to_viewer: vec3f, alpha: f32, at: vec2f) -> vec3f {
+    let sides = across(normal);
+    let facing = max(dot(to_viewer, normal), 1e-4);
+    let seen = normalize(vec3f(dot(to_viewer, sides[0]), dot(to_viewer, sides[1]), facing));
+    let stretched = normalize(vec3f(seen.xy * alpha, seen.z));
+    let lowest = bound_of(alpha, seen.z) * stretched.z;
+    let z = (1.0 - at.x) * (1.0 + lowest) - lowest;
+    let aside = sqrt(clamp(1.0 - z * z, 0.0, 1.0));
+    let turn = TWO_PI * at.y;
+    let summed = stretched + vec3f(aside * cos(turn), aside * sin(turn), z);
+    let facet = normalize(vec3f(summed.xy * alpha, max(summed.z, 1e-6)));
+    let local = facet * (2.0 * dot(seen, facet)) - seen;
+    return normalize(sides[0] * local.x + sides[1] * local.y + normal * local.z);
+}
+
+// Number of cosines, and of roughnesses, in the table of reflected shares.
+const SHARES_SIDE: u32 = 32u;
+
+// Returns the share of a white sky's light that facets reflect to the viewer: the factor of the reflectance at normal
+// incidence, and the part that does not depend on it. The table (src/accel/facets.rs) is bilinear in the cosine and in
+// the square root of alpha.
+fn reflected_shares(alpha: f32, cosine: f32) -> vec2f {
+    let first = table_texel(table_texel(FOR_PATHS).w).x;
+    let place = clamp(vec2f(cosine, sqrt(alpha)), vec2f(0.0), vec2f(1.0)) * f32(SHARES_SIDE - 1u);
+    let corner = min(vec2u(place), vec2u(SHARES_SIDE - 2u));
+    let way = place - vec2f(corner);
+    // A texel holds the shares of two neighbouring cosines.
+    let low = bitcast<vec4f>(table_texel(first + corner.y * SHARES_SIDE + corner.x));
+    let high = bitcast<vec4f>(table_texel(first + (corner.y + 1u) * SHARES_SIDE + corner.x));
+    let both = mix(low, high, way.y);
+    return mix(both.xy, both.zw, way.x);
+}

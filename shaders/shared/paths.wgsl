@@ -1,0 +1,40 @@
+// Paths of light, one per pixel of a band, and the light that they brought.
+
+//! use lists, pixels
+
+//! if light is paths
+struct Path {
+    origin: vec3f,
+    travelled: f32,      // depth of the first hit, plus the path's length from there
+    direction: vec3f,    // unit
+    density: f32,        // density of the direction per steradian; 0 for a single direction
+    weight: vec3f,       // multiplies what the path sees
+    is_diffuse: u32,     // 1 if its first vertex reflected it diffusely
+    // The pixels of the paths that are followed, in two lists that take turns: entry k of list n is entries[n & 1] of
+    // path k.
+    entries: vec2u,
+    _pad: vec2u,
+}
+
+// The paths of a band, and the heads of their lists, one for each ray of a path.
+struct Paths {
+    heads: array<ListHead, 33>,
+    each: array<Path>,
+}
+
+// Light that the paths of a pixel brought to its first vertex, summed.
+struct Brought {
+    diffuse: vec3f,      // irradiance over pi, for diffuse reflection
+    paths: u32,          // number of paths
+    glossy: vec3f,       // radiance that the surface reflects or transmits to the viewer
+    squares: f32,        // sum of squared brightness of `diffuse`
+}
+
+// Adds a path to the list of those whose ray of this number is not traced yet. Rays are counted from 1. The order of a
+// list depends on the threads, but a path's light does not depend on its place.
+fn follow(index: u32, ray: u32) {
+    let list = ray - 1u;
+    let place = atomicAdd(&paths.heads[list].count, 1u);
+    if place % LIST_WORKGROUP == 0u { atomicAdd(&paths.heads[list].workgroups_x, 1u); }
+    paths.each[place].entries[list & 1u] = index;
+}

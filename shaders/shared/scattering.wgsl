@@ -1,0 +1,184 @@
+// Scattering of light at the vertices of paths: diffuse reflection, highlights, mirrors, glass and veils. DESIGN
+// (section 3) has the formulas.
+
+//! use aims, facets, lane, light, materials, planes, primitive, primitives, rays, reflectance, surfaces
+
+//! if light is paths
+// A point where a path meets a surface.
+struct Vertex {
+    point: vec3f,
+    offset: f32,               // distance from the surface at which rays begin
+    to_viewer: vec3f,          // unit
+    from_outside: bool,
+    geometric_normal: vec3f,   // unit, on the viewer's side
+    normal: vec3f,             // unit, for shading
+    emission: vec3f,
+    is_chosen: bool,           // whether it is on a primitive that is chosen as a light source
+    outward: vec3f,            // unit, from a sphere's centre
+    radius: f32,               // of a sphere, or 0
+    lobes: Lobes,
+}
+
+fn vertex_at(rays: Rays, hits: Hits) -> Vertex {
+    let surface = surface_at(rays, hits, 0u);
+    let material = material_at(surface.material);
+    let direction = of_ray3(rays.direction, 0u);
+    let to_viewer = -normalize(direction);
+    let point = rays.origin + direction * of_ray(hits.t, 0u);
+    let factor = texture_factor(rays, hits, surface, material.texture, 0u);
+    return Vertex(
+        point,
+        off_surface(point, rays.origin, surface.reach),
+        to_viewer,
+        surface.from_outside,
+        surface.geometric_normal,
+        surface.shading_normal,
+        material.emission,
+        material.is_chosen && can_be_chosen(surface, of_ray_u(hits.slot, 0u)),
+        surface.outward,
+        surface.radius,
+        lobes_of(material, material.albedo * factor, dot(surface.shading_normal, to_viewer)),
+    );
+}
+
+//! if light is paths and planes is none and texels is corners or spheres
+fn can_be_chosen(surface: Surface, slot: u32) -> bool { return true; }
+
+//! if light is paths and planes is none and texels is ellipsoids
+fn can_be_chosen(surface: Surface, slot: u32) -> bool { return (surface.component & IS_SPHERE) == 0u; }
+
+//! if light is paths and planes is some and texels is corners or spheres
+fn can_be_chosen(surface: Surface, slot: u32) -> bool { return slot >= PLANES; }
+
+//! if light is paths and planes is some and texels is ellipsoids
+fn can_be_chosen(surface: Surface, slot: u32) -> bool {
+    return slot >= PLANES && (surface.component & IS_SPHERE) == 0u;
+}
+
+//! if light is paths
+// Returns the origin of a ray that leaves a vertex, on the viewer's side of the surface (1) or on the other side (-1).
+fn leaving(vertex: Vertex, side: f32) -> vec3f {
+    return vertex.point + vertex.geometric_normal * (side * vertex.offset);
+}
+
+// Reflectance times cosine for one direction of light, and the densities per steradian with which `scattered` chooses
+// this direction in either lobe.
+struct Reflected {
+    glossy: vec3f,
+    diffuse: f32,           // for an albedo of 1
+    diffuse_density: f32,
+    glossy_density: f32,
+}
+
+fn reflectance_of(vertex: Vertex, to_light: vec3f) -> Reflected {
+    var result: Reflected;
+    let cosine = dot(vertex.normal, to_light);
+    if cosine <= 0.0 || dot(vertex.geometric_normal, to_light) <= 0.0 { return result; }
+    let lobes = vertex.lobes;
+    let chance = glossy_chance(lobes);
+    result.diffuse = cosine * INVERSE_PI;
+    result.diffuse_density = (1.0 - chance) * lobes.opacity * result.diffuse;
+    if lobes.alpha > LEAST_ALPHA {
+        let facing = max(dot(vertex.normal, vertex.to_viewer), 1e-4);
+        let half_way = normalize(to_light + vertex.to_viewer);
+        let facets = facet_density(lobes.alpha, clamp(dot(half_way, vertex.normal), 0.0, 1.0));
+        let share = facets * facet_visibility(lobes.alpha, cosine, facing) * cosine;
+        result.glossy = schlick(lobes, clamp(dot(half_way, to_light), 0.0, 1.0)) * share;
+        result.glossy_density = chance * lobes.opacity * facets * bounded_density(lobes.alpha, facing);
+    }
+    return result;
+}
+
+// The way of a path from a vertex to the next.
+struct Scattered {
+    direction: vec3f,   // unit
+    side: f32,          // 1 on the viewer's side of the surface, -1 on the other side, 0 if the path ends
+    weight: vec3f,      // reflectance times cosine over density; diffuse reflection is for an albedo of 1
+    density: f32,       // density of the direction per steradian, in this lobe; 0 for a single direction
+    is_diffuse: bool,
+}
+
+// Chooses a lobe by `choice`, in [0, 1), and a direction by a point in the unit square.
+fn scattered(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
+    let lobes = vertex.lobes;
+    var result: Scattered;
+    if choice >= lobes.opacity {
+        // The ray goes straight through a veil.
+        result.direction = -vertex.to_viewer;
+        result.side = -1.0;
+        result.weight = vec3f(1.0);
+        return result;
+    }
+    let chosen = choice / lobes.opacity;
+    let chance = glossy_chance(lobes);
+    if chosen >= chance {
+        let sides = across(vertex.normal);
+        let turn = TWO_PI * at.y;
+        let aside = (sides[0] * cos(turn) + sides[1] * sin(turn)) * sqrt(at.x);
+        result.direction = normalize(vertex.normal * sqrt(max(1.0 - at.x, 0.0)) + aside);
+        result.side = select(0.0, 1.0, dot(vertex.geometric_normal, result.direction) > 0.0);
+        result.weight = vec3f(1.0 / (1.0 - chance));
+        result.density = (1.0 - chance) * lobes.opacity * max(dot(vertex.normal, result.direction), 0.0) * INVERSE_PI;
+        result.is_diffuse = true;
+    } else if lobes.is_glass {
+        result = through_glass(vertex, chosen / chance);
+        result.weight /= chance;
+    } else if lobes.alpha <= LEAST_ALPHA {
+        let cosine = dot(vertex.normal, vertex.to_viewer);
+        let mirrored = vertex.normal * (2.0 * cosine) - vertex.to_viewer;
+        // If a smooth normal would reflect the ray below the surface, the ray is sent along the surface instead.
+        let up = vertex.geometric_normal * max(0.0, 1e-4 - dot(mirrored, vertex.geometric_normal));
+        result.direction = normalize(mirrored + up);
+        result.side = 1.0;
+        result.weight = schlick(lobes, clamp(cosine, 0.0, 1.0)) / chance;
+    } else {
+        result.direction = bounded_direction(vertex.normal, vertex.to_viewer, lobes.alpha, at);
+        let there = reflectance_of(vertex, result.direction);
+        result.density = there.glossy_density;
+        result.side = select(0.0, 1.0, there.glossy_density > 0.0);
+        result.weight = there.glossy * (lobes.opacity / max(there.glossy_density, 1e-30));
+    }
+    return result;
+}
+
+// Light that glass reflects and transmits from the direction to the viewer.
+struct Split {
+    back: vec3f,
+    passed: vec3f,
+    ahead: vec3f,    // direction of the transmitted ray, unit
+}
+
+fn split_by_glass(vertex: Vertex) -> Split {
+    let lobes = vertex.lobes;
+    let cosine = clamp(dot(vertex.normal, vertex.to_viewer), 0.0, 1.0);
+    // Snell's law: eta is the index on the ray's side over the index on the other side.
+    let eta = select(lobes.index, 1.0 / lobes.index, vertex.from_outside);
+    let squared = 1.0 - eta * eta * (1.0 - cosine * cosine);
+    if squared <= 0.0 { return Split(vec3f(1.0), vec3f(0.0), vertex.to_viewer); }
+    let inner = sqrt(squared);
+    let ahead = normalize(vertex.normal * (eta * cosine - inner) - vertex.to_viewer * eta);
+    if !lobes.is_fresnel {
+        return Split(lobes.reflectance, lobes.transmission * (1.0 - lobes.reflectance), ahead);
+    }
+    let share = fresnel(cosine, inner, eta);
+    return Split(lobes.reflectance * share, lobes.transmission * (1.0 - share), ahead);
+}
+
+// Chooses between reflection and refraction.
+fn through_glass(vertex: Vertex, choice: f32) -> Scattered {
+    let split = split_by_glass(vertex);
+    let chance = brightness(split.back) / max(brightness(split.back) + brightness(split.passed), 1e-30);
+    var result: Scattered;
+    if choice < chance {
+        let mirrored = vertex.normal * (2.0 * dot(vertex.normal, vertex.to_viewer)) - vertex.to_viewer;
+        let up = vertex.geometric_normal * max(0.0, 1e-4 - dot(mirrored, vertex.geometric_normal));
+        result.direction = normalize(mirrored + up);
+        result.side = 1.0;
+        result.weight = split.back / chance;
+    } else {
+        result.direction = split.ahead;
+        result.side = -1.0;
+        result.weight = split.passed / max(1.0 - chance, 1e-30);
+    }
+    return result;
+}

@@ -1,0 +1,342 @@
+//! Tests light by paths against closed forms: furnaces, a closed ball that emits, lamps above a floor, panes.
+
+use crate::common;
+
+use common::renderer;
+use stereotrace::{
+    Finish, Light, Lighting, Material, Mesh, Method, Options, Renderer, Scene, Sky, SkyMap, Sphere, StereoCamera,
+    StereoPair, blocking::Wait, glam::Vec3,
+};
+
+const SIDE: u32 = 16;
+
+/// Returns options for a picture by paths.
+fn by_paths(samples: u32, bounces: u32) -> Options {
+    Options::new(Method::Naive).linear(true).light(Lighting::Paths { bounces, samples })
+}
+
+fn rendered(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, options: &Options) -> StereoPair {
+    let uploaded = renderer.upload(scene).wait().unwrap();
+    renderer.pair(&uploaded, camera).options(options).read().wait().unwrap()
+}
+
+/// Returns a narrow view of a point, without a second eye.
+fn close_up(eye: Vec3, target: Vec3) -> StereoCamera {
+    let camera = StereoCamera::look_at(eye, target).size(SIDE, SIDE).vertical_fov_degrees(0.5).interaxial(0.0);
+    if (eye - target).normalize().y.abs() > 0.99 { camera.up(Vec3::Z) } else { camera }
+}
+
+/// Returns the mean green of a view's pixels, and its standard error.
+fn mean_of(pair: &StereoPair) -> (f64, f64) {
+    let all: Vec<f64> = pair.left.linear.iter().map(|color| f64::from(color[1])).collect();
+    let count = all.len() as f64;
+    let mean = all.iter().sum::<f64>() / count;
+    let variance = all.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    (mean, (variance / count).sqrt())
+}
+
+/// Compares a mean with a closed form. Few of many such comparisons differ by four standard errors.
+fn assert_is(what: &str, pair: &StereoPair, expected: f64, most_error: f64) {
+    let (mean, error) = mean_of(pair);
+    println!("{what}: {mean:.5} +- {error:.5} for {expected:.5}");
+    assert!(error <= most_error * expected.max(1e-3), "{what}: the standard error is {error}");
+    assert!((mean - expected).abs() <= 4.0 * error + 2e-4 * expected, "{what}: {mean} +- {error} for {expected}");
+}
+
+fn square(scene: &mut Scene, center: Vec3, sides: [Vec3; 2], material: Material) {
+    let [a, b] = sides;
+    let corners = vec![center - a - b, center + a - b, center + a + b, center - a + b];
+    let material = scene.add_material(material);
+    scene.add_mesh(&Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).materials(vec![material])).unwrap();
+}
+
+/// Returns a large floor in the dark.
+fn floor(material: Material) -> Scene {
+    let mut scene = Scene::new();
+    square(&mut scene, Vec3::ZERO, [50.0 * Vec3::X, 50.0 * Vec3::Z], material);
+    scene.sky = Sky::Constant(Vec3::ZERO);
+    scene
+}
+
+fn grey(albedo: f32) -> Material {
+    Material::new(Vec3::splat(albedo))
+}
+
+fn lamp(radiance: f32) -> Material {
+    grey(0.0).emission(Vec3::splat(radiance))
+}
+
+fn glass() -> Material {
+    let finish = Finish::Glass { index: 1.5, transmission: Vec3::ONE, fresnel: true };
+    grey(0.0).specular(Vec3::ONE).finish(finish)
+}
+
+#[test]
+fn a_white_sky_comes_back_from_whatever_loses_none() {
+    let mut renderer = renderer();
+    let metal = |exponent: f32| grey(0.0).specular(Vec3::ONE).exponent(exponent);
+    let lacquer = |exponent: f32| grey(1.0).specular(Vec3::splat(0.04)).exponent(exponent);
+    let mut all = vec![
+        ("white".to_owned(), grey(1.0), 1.0),
+        ("grey".to_owned(), grey(0.25), 0.25),
+        ("mirror".to_owned(), grey(0.0).specular(Vec3::ONE).finish(Finish::Mirror { fresnel: false }), 1.0),
+        (
+            "mirror and white".to_owned(),
+            grey(0.5).specular(Vec3::splat(0.5)).finish(Finish::Mirror { fresnel: false }),
+            1.0,
+        ),
+        ("glass".to_owned(), glass(), 1.0),
+        ("veil".to_owned(), grey(1.0).opacity(0.5), 1.0),
+        ("glossy veil".to_owned(), lacquer(20.0).opacity(0.3), 1.0),
+    ];
+    for exponent in [0.0, 1.0, 5.0, 20.0, 100.0, 1000.0, 10_000.0] {
+        all.push((format!("metal {exponent}"), metal(exponent), 1.0));
+        all.push((format!("lacquer {exponent}"), lacquer(exponent), 1.0));
+    }
+    for (name, material, expected) in all {
+        let mut scene = Scene::new();
+        let material = scene.add_material(material);
+        scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, material)).unwrap();
+        scene.sky = Sky::Constant(Vec3::ONE);
+        for (sight, camera) in [
+            ("", StereoCamera::look_at(Vec3::new(0.0, 0.0, 9.0), Vec3::ZERO).vertical_fov_degrees(8.0)),
+            (
+                " at its rim",
+                StereoCamera::look_at(Vec3::new(0.0, 0.97, 60.0), Vec3::new(0.0, 0.97, 0.0)).vertical_fov_degrees(0.02),
+            ),
+        ] {
+            let camera = camera.size(SIDE, SIDE).interaxial(0.0);
+            let (mean, error) = mean_of(&rendered(&mut renderer, &scene, &camera, &by_paths(256, 32)));
+            println!("{name}{sight}: {mean:.5} +- {error:.5}");
+            let away = (mean - expected).abs();
+            assert!(away < 0.004 && error < 0.002, "{name}{sight}: {mean} +- {error}");
+        }
+    }
+}
+
+/// In a closed ball of albedo a that emits e, n bounces after the first hit show e (1 + a + ... + a^(n+1)).
+#[test]
+fn each_bounce_adds_its_term() {
+    let mut renderer = renderer();
+    let albedo = 0.6_f64;
+    let mut scene = Scene::new();
+    let wall = scene.add_material(grey(albedo as f32).emission(Vec3::splat(0.5)));
+    scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, wall)).unwrap();
+    let camera = close_up(Vec3::new(0.1, 0.0, 0.2), Vec3::X);
+    for bounces in [0, 1, 2, 5, 32] {
+        let expected: f64 = (0..bounces + 2).map(|term| 0.5 * albedo.powi(term)).sum();
+        let pair = rendered(&mut renderer, &scene, &camera, &by_paths(64, bounces as u32));
+        assert_is(&format!("{bounces} bounces"), &pair, expected, 2e-3);
+    }
+}
+
+#[test]
+fn lamps_light_a_floor_as_their_shapes_say() {
+    let mut renderer = renderer();
+    let camera = close_up(Vec3::new(3.0, 2.0, 0.0), Vec3::ZERO);
+    let one = |material| {
+        let mut scene = floor(grey(0.5));
+        let material = scene.add_material(material);
+        scene.add_sphere(Sphere::new(Vec3::new(0.0, 2.0, 0.0), 0.5, material)).unwrap();
+        scene
+    };
+    // A ball of radius r at height h has a form factor of r²/h² straight below.
+    let pair = rendered(&mut renderer, &one(lamp(4.0)), &camera, &by_paths(64, 0));
+    assert_is("ball", &pair, 0.5 * 4.0 * 0.25 / 4.0, 2e-3);
+    // A square of half side a at height h: 4 times the form factor of its quarter (Howell, "A Catalog of Radiation Heat
+    // Transfer Configuration Factors", B-3).
+    let (a, h) = (0.4_f64, 1.5_f64);
+    let x = a / h;
+    let root = (1.0 + x * x).sqrt();
+    let factor = 4.0 / (2.0 * std::f64::consts::PI) * 2.0 * (x / root) * (x / root).atan();
+    let mut scene = floor(grey(0.5));
+    square(&mut scene, Vec3::new(0.0, h as f32, 0.0), [a as f32 * Vec3::X, a as f32 * Vec3::Z], lamp(4.0));
+    let pair = rendered(&mut renderer, &scene, &camera, &by_paths(64, 0));
+    assert_is("square", &pair, 0.5 * 4.0 * factor, 4e-3);
+    // Several lamps of unequal power add up.
+    square(&mut scene, Vec3::new(0.0, 3.0, 0.0), [0.01 * Vec3::X, 0.01 * Vec3::Z], lamp(900.0));
+    scene.sky = Sky::Constant(Vec3::splat(0.3));
+    let hidden = 0.3 * (1.0 - factor);
+    let pair = rendered(&mut renderer, &scene, &camera, &by_paths(256, 0));
+    assert_is("square, hidden square and sky", &pair, 0.5 * (4.0 * factor + hidden), 4e-3);
+}
+
+#[test]
+fn lights_without_falloff_are_those_of_direct_light() {
+    let mut renderer = renderer();
+    let camera = close_up(Vec3::new(3.0, 2.0, 0.0), Vec3::ZERO);
+    for light in [
+        Light::point(Vec3::new(1.0, 2.0, 0.5), Vec3::splat(0.7)),
+        Light::directional(Vec3::new(1.0, 2.0, 0.5), 0.0, Vec3::splat(0.7)),
+        Light::sphere(Vec3::new(1.0, 2.0, 0.5), 0.3, Vec3::splat(0.7)),
+        Light::rectangle(Vec3::new(0.0, 2.0, 0.5), 0.3 * Vec3::X, 0.2 * Vec3::Z, Vec3::splat(0.7)),
+    ] {
+        let mut scene = floor(grey(0.5));
+        scene.lights.push(light);
+        scene.ambient = Some(Vec3::ZERO);
+        let rays = |options: Options| options.shadow_rays(32);
+        let direct = Options::new(Method::Naive).linear(true);
+        let (expected, _) = mean_of(&rendered(&mut renderer, &scene, &camera, &rays(direct)));
+        let pair = rendered(&mut renderer, &scene, &camera, &rays(by_paths(1, 0)));
+        assert_is("at the first hit", &pair, expected, 1e-2);
+        // A mirror at 45 degrees shows the floor, whose light the path finds.
+        square(
+            &mut scene,
+            Vec3::new(8.0, 2.0, 0.0),
+            [Vec3::new(0.5, 0.5, 0.0), Vec3::Z],
+            grey(0.0).specular(Vec3::ONE).exponent(10_000.0).finish(Finish::Mirror { fresnel: false }),
+        );
+        let toward = Vec3::new(8.0, 2.0, 0.0);
+        let beside = close_up(toward + 3.0 * Vec3::X, toward);
+        let direct = Options::new(Method::Naive).linear(true).shadow_rays(32);
+        let (expected, _) = mean_of(&rendered(&mut renderer, &scene, &beside, &direct));
+        let pair = rendered(&mut renderer, &scene, &beside, &by_paths(256, 1));
+        assert_is("in a mirror", &pair, expected, 1e-2);
+    }
+}
+
+#[test]
+fn veils_and_panes_tint_the_light_behind_them() {
+    let mut renderer = renderer();
+    let camera = close_up(Vec3::new(3.0, 0.5, 0.0), Vec3::ZERO);
+    for (what, pane, expected) in [
+        ("veil", grey(0.0).opacity(0.25), 0.75),
+        ("two veils", grey(0.0).opacity(0.25), 0.75 * 0.75),
+        ("glass", glass(), 0.96),
+    ] {
+        let mut scene = floor(grey(0.5));
+        for height in [1.0, 1.2].iter().take(if what == "two veils" { 2 } else { 1 }) {
+            square(&mut scene, *height * Vec3::Y, [2.0 * Vec3::X, 2.0 * Vec3::Z], pane.clone());
+        }
+        scene.lights.push(Light::point(Vec3::new(0.0, 3.0, 0.0), Vec3::splat(0.8)));
+        let pair = rendered(&mut renderer, &scene, &camera, &by_paths(4, 0));
+        assert_is(what, &pair, 0.5 * 0.8 * expected, 1e-3);
+        // The light of a lamp comes through the pane by paths that meet it.
+        scene.lights.clear();
+        let lamp = scene.add_material(lamp(4.0));
+        scene.add_sphere(Sphere::new(Vec3::new(0.0, 4.0, 0.0), 1.5, lamp)).unwrap();
+        if what != "glass" {
+            let form = 1.5 * 1.5 / 16.0;
+            let pair = rendered(&mut renderer, &scene, &camera, &by_paths(1024, 3));
+            assert_is(&format!("{what} before a lamp"), &pair, 0.5 * 4.0 * form * expected, 1e-2);
+        }
+    }
+}
+
+/// A sky map lights a floor as its rays say, whether its sun is found by brightness or by chance.
+#[test]
+fn a_sky_map_lights_a_floor_as_the_integral_says() {
+    let mut renderer = renderer();
+    let (width, height) = (64_u32, 32_u32);
+    let mut pixels = vec![Vec3::splat(0.2); (width * height) as usize];
+    pixels[(6 * width + 20) as usize] = Vec3::splat(900.0);
+    let mut scene = floor(grey(0.5));
+    scene.sky = Sky::Map(SkyMap::new(width, height, pixels.clone()).unwrap());
+    // The map is bilinear between the centres of its pixels. The integral is a sum over a fine grid.
+    let fine = 16;
+    let at = |x: i64, y: i64| {
+        let y = y.clamp(0, i64::from(height) - 1);
+        f64::from(pixels[(y * i64::from(width) + x.rem_euclid(i64::from(width))) as usize].x)
+    };
+    let mut sum = 0.0;
+    let (columns, rows) = (width * fine, height * fine);
+    for row in 0..rows / 2 {
+        let down = (f64::from(row) + 0.5) / f64::from(rows) * std::f64::consts::PI;
+        for column in 0..columns {
+            let (x, y) =
+                ((f64::from(column) + 0.5) / f64::from(fine) - 0.5, (f64::from(row) + 0.5) / f64::from(fine) - 0.5);
+            let (i, j) = (x.floor() as i64, y.floor() as i64);
+            let (p, q) = (x - x.floor(), y - y.floor());
+            let color = (at(i, j) * (1.0 - p) + at(i + 1, j) * p) * (1.0 - q)
+                + (at(i, j + 1) * (1.0 - p) + at(i + 1, j + 1) * p) * q;
+            sum += color * down.cos() * down.sin();
+        }
+    }
+    let cell = 2.0 * std::f64::consts::PI / f64::from(columns) * (std::f64::consts::PI / f64::from(rows));
+    let expected = 0.5 * sum * cell / std::f64::consts::PI;
+    let camera = close_up(Vec3::new(3.0, 2.0, 0.0), Vec3::ZERO);
+    let pair = rendered(&mut renderer, &scene, &camera, &by_paths(256, 0));
+    assert_is("sky map", &pair, expected, 2e-3);
+}
+
+/// Returns a room with a lamp, a window to the sky, a mirror, glass, a veil and a glossy ball.
+fn room() -> Scene {
+    let mut scene = Scene::new();
+    for (center, sides, albedo) in [
+        (Vec3::ZERO, [2.0 * Vec3::X, 2.0 * Vec3::Z], Vec3::new(0.6, 0.5, 0.4)),
+        (3.0 * Vec3::Y, [2.0 * Vec3::X, 1.5 * Vec3::Z], Vec3::splat(0.7)),
+        (Vec3::new(-2.0, 1.5, 0.0), [1.5 * Vec3::Y, 2.0 * Vec3::Z], Vec3::new(0.7, 0.1, 0.1)),
+        (Vec3::new(0.0, 1.5, -2.0), [2.0 * Vec3::X, 1.5 * Vec3::Y], Vec3::new(0.2, 0.6, 0.3)),
+    ] {
+        square(&mut scene, center, sides, Material::new(albedo));
+    }
+    square(&mut scene, Vec3::new(0.0, 2.95, 0.0), [0.4 * Vec3::X, 0.4 * Vec3::Z], lamp(6.0));
+    square(&mut scene, Vec3::new(0.5, 1.0, 0.8), [0.4 * Vec3::X, 0.4 * Vec3::Y], grey(0.3).opacity(0.5));
+    let lacquer = grey(0.3).specular(Vec3::splat(0.2)).exponent(60.0);
+    let mirror = grey(0.0).specular(Vec3::splat(0.9)).finish(Finish::Mirror { fresnel: true });
+    for (center, material) in [([-1.0, 0.5, 0.0], lacquer), ([0.2, 0.5, -0.6], mirror), ([0.9, 0.5, 0.3], glass())] {
+        let material = scene.add_material(material);
+        scene.add_sphere(Sphere::new(Vec3::from_array(center), 0.5, material)).unwrap();
+    }
+    scene.lights.push(Light::point(Vec3::new(1.5, 2.5, 1.5), Vec3::splat(0.2)));
+    scene.lights.push(Light::sphere(Vec3::new(-1.5, 2.5, 1.5), 0.2, Vec3::splat(0.2)));
+    scene.sky = Sky::Map(SkyMap::procedural(32).unwrap());
+    scene
+}
+
+fn room_camera() -> StereoCamera {
+    StereoCamera::look_at(Vec3::new(0.5, 1.5, 4.5), Vec3::new(0.0, 1.2, 0.0)).size(40, 30).interaxial(0.1)
+}
+
+#[test]
+fn a_frame_by_paths_repeats_bit_for_bit() {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&room()).wait().unwrap();
+    let options = by_paths(4, 4);
+    let mut pair = |options: &Options| renderer.pair(&uploaded, &room_camera()).options(options).read().wait().unwrap();
+    let first = pair(&options);
+    let again = pair(&options);
+    assert!(first.left.linear == again.left.linear && first.right.linear == again.right.linear);
+    let other = pair(&options.clone().seed(1));
+    assert!(first.left.linear != other.left.linear);
+    let own = pair(&options.noise_by_view(true));
+    assert!(own.left.linear == first.left.linear && own.right.linear != first.right.linear);
+}
+
+#[test]
+fn every_method_follows_the_paths_of_the_hits_that_it_finds() {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&room()).wait().unwrap();
+    let mut pair = |method: Method| {
+        let options = by_paths(4, 4).method(method);
+        renderer.pair(&uploaded, &room_camera()).options(&options).read().wait().unwrap()
+    };
+    let naive = pair(Method::Naive);
+    assert!(pair(Method::BRACKET_RAYS).right.linear == naive.right.linear);
+    for method in [Method::BRACKET, Method::ATOMIC] {
+        let other = pair(method);
+        assert!(other.left.linear == naive.left.linear, "{method}");
+        let same = naive.right.primitive.iter().zip(&other.right.primitive).filter(|(a, b)| a == b).count();
+        let near =
+            |(a, b): (&[f32; 4], &[f32; 4])| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-3 * (a.abs() + 1.0));
+        let alike = naive.right.linear.iter().zip(&other.right.linear).filter(|&pair| near(pair)).count();
+        println!("{method}: {same} and {alike} of {}", naive.right.linear.len());
+        assert!(alike * 10 > naive.right.linear.len() * 9, "{method}: {alike}");
+    }
+}
+
+#[test]
+fn a_bare_glass_ball_shows_the_sky_as_its_two_rays_do() {
+    let mut renderer = renderer();
+    let mut scene = Scene::new();
+    let material = scene.add_material(glass());
+    scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, material)).unwrap();
+    scene.sky = Sky::Gradient { nadir: Vec3::new(0.1, 0.2, 0.3), zenith: Vec3::new(0.9, 0.5, 0.1) };
+    let camera = StereoCamera::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO).size(24, 24).interaxial(0.0);
+    let direct = rendered(&mut renderer, &scene, &camera, &Options::new(Method::Naive).linear(true).bounces(8));
+    let paths = rendered(&mut renderer, &scene, &camera, &by_paths(1024, 16));
+    let apart = direct.left.linear.iter().zip(&paths.left.linear).map(|(a, b)| (a[1] - b[1]).abs());
+    let (sum, most) = apart.fold((0.0, 0.0_f32), |(sum, most), apart| (sum + apart, most.max(apart)));
+    println!("apart {:.5} in the mean, {most:.4} at most", sum / 576.0);
+    assert!(sum / 576.0 < 1e-3 && most < 0.03, "{sum} {most}");
+}
