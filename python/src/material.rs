@@ -194,6 +194,10 @@ fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>)
     let Some(fields) = fields else { return Ok(Material(material)) };
     for (name, value) in fields {
         let name: String = name.extract()?;
+        // Paths would show the file's values.
+        if !["name", "texture", "cutout", "opacity"].contains(&&*name) {
+            material.principled = None;
+        }
         let of = |error: PyErr| refused(format!("material: {name}: {}", error.value(value.py())));
         let color = || value.extract::<Color>().map(|color| color.0);
         let number = || value.extract::<f32>().map_err(|_| refused(format!("{} must be a number", shown(&value))));

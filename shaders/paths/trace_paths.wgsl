@@ -20,7 +20,7 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3u) {
     let ray = frame.paths.ray;
     if id.x >= atomicLoad(&paths.heads[ray - 1u].count) { return; }
     let index = paths.each[id.x].entries[(ray - 1u) & 1u];
-    let path = paths.each[index];
+    var path = paths.each[index];
     let pixel = vec2u(index % frame.band.size.x, index / frame.band.size.x);
     begin_points(pixel, frame.paths.first + brought[index].paths - 1u);
     travelled_before = path.travelled;
@@ -31,6 +31,7 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3u) {
         light = sky_of_path(path.direction, path.density);
     } else {
         let vertex = vertex_at(rays, hits);
+        path.weight *= pow(vertex.left, vec3f(hits.t));
         light = emission_of_path(vertex, path.density, hits.t);
         if ray <= frame.paths.bounces {
             let pair = ray * PAIRS;

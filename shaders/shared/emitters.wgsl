@@ -94,7 +94,8 @@ fn passing(start: vec3f, to_light: vec3f, far: f32, is_first: bool) -> vec3f {
         let pane = vertex_at(rays, hits);
         let lobes = pane.lobes;
         var clear = vec3f(1.0 - lobes.opacity);
-        if lobes.is_glass { clear = split_by_glass(pane).passed; }
+        if lobes.is_glass { clear = split_by_glass(pane, pane.normal).passed; }
+        clear *= pow(pane.left, vec3f(hits.t));
         share *= clear;
         panes += 1u;
         if all(share <= vec3f(0.0)) || panes > MOST_PANES { return vec3f(0.0); }

@@ -14,14 +14,15 @@ const LEAST_ALPHA: f32 = 1e-3;
 struct Lobes {
     diffuse: vec3f,         // albedo of diffuse reflection, below what the highlight lets through
     opacity: f32,           // share of the background that the surface hides
-    reflectance: vec3f,     // of the highlight or mirror at normal incidence
+    reflectance: vec3f,     // of the highlight or mirror at normal incidence, with light reflected between facets
     alpha: f32,             // width of the highlight
-    gain: vec3f,            // factor of the highlight for light reflected between facets
+    grazing: vec3f,         // what the reflectance gains towards grazing angles
     glossy: f32,            // brightness of the highlight, mirror or glass under a white sky
     transmission: vec3f,    // share of the light that enters glass and is transmitted
     index: f32,             // index of refraction of glass
     is_glass: bool,
-    is_fresnel: bool,       // whether reflection grows towards grazing angles
+    is_thin: bool,          // whether glass does not refract
+    is_fresnel: bool,       // whether glass splits light by the angle
 }
 
 fn brightness(color: vec3f) -> f32 { return dot(color, vec3f(0.2126, 0.7152, 0.0722)); }
@@ -37,9 +38,9 @@ fn lobes_of(material: Material, albedo: vec3f, cosine: f32) -> Lobes {
     lobes.opacity = 1.0;
     if MATERIAL_TEXELS == 1u { return lobes; }
     lobes.opacity = material.opacity;
-    lobes.reflectance = material.specular;
-    lobes.is_fresnel = material.fresnel;
     if material.kind == GLASS {
+        lobes.reflectance = material.specular;
+        lobes.is_fresnel = material.fresnel;
         lobes.is_glass = true;
         lobes.transmission = material.transmission;
         lobes.index = material.index;
@@ -47,24 +48,51 @@ fn lobes_of(material: Material, albedo: vec3f, cosine: f32) -> Lobes {
         return lobes;
     }
     let facing = clamp(cosine, 0.0, 1.0);
-    var seen = material.specular;
     if material.kind == MIRROR {
-        if !material.fresnel {
-            lobes.glossy = brightness(seen);
-            return lobes;
-        }
-        seen = schlick(lobes, facing);
-    } else {
-        if all(material.specular == vec3f(0.0)) { return lobes; }
-        lobes.is_fresnel = true;
-        lobes.alpha = max(alpha_of_exponent(material.exponent), LEAST_ALPHA);
-        let shares = reflected_shares(lobes.alpha, facing);
-        // Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet Models".
-        lobes.gain = material.specular * (1.0 / (shares.x + shares.y) - 1.0);
-        seen = (material.specular * shares.x + shares.y) * (1.0 + lobes.gain);
+        if material.fresnel { return with_highlights(lobes, material.specular, material.specular, 0.0, 0.0, facing); }
+        lobes.reflectance = material.specular;
+        lobes.glossy = brightness(material.specular);
+        return lobes;
     }
-    lobes.diffuse *= 1.0 - seen;
-    lobes.glossy = brightness(seen);
+    if all(material.specular == vec3f(0.0)) { return lobes; }
+    let alpha = alpha_of_exponent(material.exponent);
+    return with_highlights(lobes, material.specular, material.specular, 0.0, alpha, facing);
+}
+
+// Reflectance at normal incidence and what it gains towards grazing angles, by Schlick's approximation. The factor is
+// that of light reflected between facets (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet
+// Models"); `lost` is the share that one reflection loses over the share that it does not.
+struct Schlick {
+    plain: vec3f,
+    grazing: vec3f,
+}
+
+fn schlick_of(reflectance: vec3f, lost: f32) -> Schlick {
+    let gain = 1.0 + reflectance * lost;
+    return Schlick(reflectance * gain, (1.0 - reflectance) * gain);
+}
+
+// Adds the highlights of a dielectric, which lies above diffuse reflection, and of a metal. Their reflectances are
+// those at normal incidence.
+fn with_highlights(
+    before: Lobes,
+    dielectric: vec3f,
+    metal: vec3f,
+    metallic: f32,
+    alpha: f32,
+    facing: f32,
+) -> Lobes {
+    var lobes = before;
+    lobes.alpha = alpha;
+    var shares = vec2f(1.0 - pow(1.0 - facing, 5.0), pow(1.0 - facing, 5.0));
+    if alpha > LEAST_ALPHA { shares = reflected_shares(alpha, facing); }
+    let lost = 1.0 / (shares.x + shares.y) - 1.0;
+    let above = schlick_of(dielectric, lost);
+    let bare = schlick_of(metal, lost);
+    lobes.reflectance = mix(above.plain, bare.plain, metallic);
+    lobes.grazing = mix(above.grazing, bare.grazing, metallic);
+    lobes.glossy = brightness(lobes.reflectance * (shares.x + shares.y) + lobes.grazing * shares.y);
+    lobes.diffuse *= 1.0 - (above.plain * (shares.x + shares.y) + above.grazing * shares.y);
     return lobes;
 }
 
@@ -75,9 +103,14 @@ fn glossy_chance(lobes: Lobes) -> f32 {
 
 // Returns the reflectance for the cosine of the angle to a facet's normal.
 fn schlick(lobes: Lobes, cosine: f32) -> vec3f {
-    if !lobes.is_fresnel { return lobes.reflectance; }
-    let grazing = pow(1.0 - cosine, 5.0);
-    return mix(lobes.reflectance, vec3f(1.0), grazing) * (1.0 + lobes.gain);
+    return lobes.reflectance + lobes.grazing * pow(1.0 - cosine, 5.0);
+}
+
+// Returns the share of light that smooth glass reflects, for the index on the viewer's side over that on the other.
+fn glass_share(eta: f32, cosine: f32) -> f32 {
+    let squared = 1.0 - eta * eta * (1.0 - cosine * cosine);
+    if squared <= 0.0 { return 1.0; }
+    return fresnel(cosine, sqrt(squared), eta);
 }
 
 // Returns the density of facets whose normals have this cosine with the surface's normal.
@@ -110,20 +143,26 @@ fn bounded_density(alpha: f32, to_viewer: f32) -> f32 {
     return 0.5 / (bound_of(alpha, to_viewer) * to_viewer + sqrt(sine + to_viewer * to_viewer));
 }
 
-// Chooses a reflected direction by a point in the unit square.
-fn bounded_direction(normal: vec3f, to_viewer: vec3f, alpha: f32, at: vec2f) -> vec3f {
+// Chooses a facet that the viewer sees, by a point in the unit square. `bound` is the result of bound_of, or 1 for
+// facets that need not reflect upwards.
+fn facet_towards(normal: vec3f, to_viewer: vec3f, alpha: f32, bound: f32, at: vec2f) -> vec3f {
     let sides = across(normal);
     let facing = max(dot(to_viewer, normal), 1e-4);
     let seen = normalize(vec3f(dot(to_viewer, sides[0]), dot(to_viewer, sides[1]), facing));
     let stretched = normalize(vec3f(seen.xy * alpha, seen.z));
-    let lowest = bound_of(alpha, seen.z) * stretched.z;
+    let lowest = bound * stretched.z;
     let z = (1.0 - at.x) * (1.0 + lowest) - lowest;
     let aside = sqrt(clamp(1.0 - z * z, 0.0, 1.0));
     let turn = TWO_PI * at.y;
     let summed = stretched + vec3f(aside * cos(turn), aside * sin(turn), z);
     let facet = normalize(vec3f(summed.xy * alpha, max(summed.z, 1e-6)));
-    let local = facet * (2.0 * dot(seen, facet)) - seen;
-    return normalize(sides[0] * local.x + sides[1] * local.y + normal * local.z);
+    return sides[0] * facet.x + sides[1] * facet.y + normal * facet.z;
+}
+
+// Returns the share of facets that a direction sees, among those that face it.
+fn facets_seen(alpha: f32, cosine: f32) -> f32 {
+    let squared = cosine * cosine;
+    return 2.0 / (1.0 + sqrt(1.0 + alpha * alpha * max(1.0 - squared, 0.0) / max(squared, 1e-12)));
 }
 
 // Number of cosines, and of roughnesses, in the table of reflected shares.
@@ -142,4 +181,12 @@ fn reflected_shares(alpha: f32, cosine: f32) -> vec2f {
     let high = bitcast<vec4f>(table_texel(first + (corner.y + 1u) * SHARES_SIDE + corner.x));
     let both = mix(low, high, way.y);
     return mix(both.xy, both.zw, way.x);
+}
+
+//! end
+// Returns the share of unpolarised light that glass reflects, by Fresnel's equations for the cosines on both sides.
+fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
+    let across = (eta * cosine - inner) / (eta * cosine + inner);
+    let along_plane = (cosine - eta * inner) / (cosine + eta * inner);
+    return 0.5 * (across * across + along_plane * along_plane);
 }

@@ -57,3 +57,50 @@ fn phong_exponent(exponent: f32) -> f32 { return select(exponent, -1.0 - exponen
 fn sends_rays(material: u32) -> bool {
     return (table_texel(first_texel(material)).w & 0x0f000000u) != 0u;
 }
+
+//! if principled is some
+// A physically based surface, which has six more texels. Textures are numbers plus one, or 0.
+struct Principled {
+    base: vec3f,                  // fifth texel
+    is_there: bool,
+    is_thin: bool,
+    emission: vec3f,              // sixth texel
+    emission_texture: u32,
+    metallic: f32,                // seventh texel
+    roughness: f32,
+    index: f32,
+    texture: u32,                 // of roughness (green) and metallic (blue)
+    dielectric: vec3f,            // eighth texel: reflectance of a dielectric at normal incidence
+    normal_texture: u32,
+    absorption: vec3f,            // ninth texel
+    normal_scale: f32,
+    transmission: f32,            // tenth texel
+    specular: vec3f,
+}
+
+fn principled_at(material: u32) -> Principled {
+    let first = first_texel(material) + 4u;
+    let base = table_texel(first);
+    let emission = table_texel(first + 1u);
+    let shape = table_texel(first + 2u);
+    let dielectric = table_texel(first + 3u);
+    let absorption = table_texel(first + 4u);
+    let specular = table_texel(first + 5u);
+    var found: Principled;
+    found.base = bitcast<vec3f>(base.xyz);
+    found.is_there = (base.w & 1u) != 0u;
+    found.is_thin = (base.w & 2u) != 0u;
+    found.emission = bitcast<vec3f>(emission.xyz);
+    found.emission_texture = emission.w;
+    found.metallic = bitcast<f32>(shape.x);
+    found.roughness = bitcast<f32>(shape.y);
+    found.index = bitcast<f32>(shape.z);
+    found.texture = shape.w;
+    found.dielectric = bitcast<vec3f>(dielectric.xyz);
+    found.normal_texture = dielectric.w;
+    found.absorption = bitcast<vec3f>(absorption.xyz);
+    found.normal_scale = bitcast<f32>(absorption.w);
+    found.specular = bitcast<vec3f>(specular.xyz);
+    found.transmission = bitcast<f32>(specular.w);
+    return found;
+}

@@ -1,10 +1,11 @@
 // Reflectance: highlights that surfaces send to the eye, and rays that mirrors and glass send on. Diffuse reflection is
 // the albedo, which shade.wgsl applies to the sum of all light.
 
-//! use aims, facets, lane, light, materials, rays
+//! use aims, facets, lane, light, looks, materials, rays
 
 //! if shine is none
-fn with_highlights(surfaces: Surfaces, rays: Rays, ray: u32, material: Material) -> Surfaces {
+fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec3f, ray: u32)
+    -> Surfaces {
     return surfaces;
 }
 
@@ -48,7 +49,8 @@ fn lobe_of_four(exponent: f32, cosine: vec4f, facing: vec4f) -> vec4f {
 
 //! if shine is some or normalised
 // Adds the highlights' colour and exponent, and the emission, to a surface.
-fn with_highlights(surfaces: Surfaces, rays: Rays, ray: u32, material: Material) -> Surfaces {
+fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec3f, ray: u32)
+    -> Surfaces {
     var shining = surfaces;
     shining.specular = with_ray3(surfaces.specular, ray, material.specular * lobe_scale(material.exponent));
     shining.exponent = with_ray(surfaces.exponent, ray, material.exponent);
@@ -80,16 +82,17 @@ fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u3
 
 //! if shine is facets
 // Highlights by facets, for light that paths complete. They leave less light for diffuse reflection.
-fn with_highlights(surfaces: Surfaces, rays: Rays, ray: u32, material: Material) -> Surfaces {
-    let to_viewer = -normalize(of_ray3(rays.direction, ray));
-    let facing = dot(of_ray3(surfaces.shading_normal, ray), to_viewer);
-    let lobes = lobes_of(material, of_ray3(surfaces.albedo, ray), facing);
+fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec3f, ray: u32)
+    -> Surfaces {
+    let look = look_at(rays, hits, surface, material, factor, ray);
+    let lobes = look.lobes;
     var shining = surfaces;
+    shining.shading_normal = with_ray3(surfaces.shading_normal, ray, look.normal);
     shining.albedo = with_ray3(surfaces.albedo, ray, lobes.diffuse);
-    shining.specular = with_ray3(surfaces.specular, ray, lobes.reflectance * (1.0 + lobes.gain));
-    shining.grazing = with_ray3(surfaces.grazing, ray, (1.0 - lobes.reflectance) * (1.0 + lobes.gain));
-    shining.exponent = with_ray(surfaces.exponent, ray, lobes.alpha);
-    shining.emission = with_ray3(surfaces.emission, ray, material.emission);
+    shining.specular = with_ray3(surfaces.specular, ray, lobes.reflectance);
+    shining.grazing = with_ray3(surfaces.grazing, ray, lobes.grazing);
+    shining.exponent = with_ray(surfaces.exponent, ray, select(lobes.alpha, 0.0, lobes.is_glass));
+    shining.emission = with_ray3(surfaces.emission, ray, look.emission);
     return shining;
 }
 
@@ -151,13 +154,6 @@ fn shine_color(surfaces: Surfaces, intensity: vec3f, plain: f32, grazing: f32, r
 struct FourShine {
     plain: vec4f,
     grazing: vec4f,
-}
-
-// Returns the share of unpolarised light that glass reflects, by Fresnel's equations for the cosines on both sides.
-fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
-    let across = (eta * cosine - inner) / (eta * cosine + inner);
-    let along_plane = (cosine - eta * inner) / (cosine + eta * inner);
-    return 0.5 * (across * across + along_plane * along_plane);
 }
 
 //! if mirrors is none or followed

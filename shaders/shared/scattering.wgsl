@@ -1,7 +1,7 @@
 // Scattering of light at the vertices of paths: diffuse reflection, highlights, mirrors, glass and veils. DESIGN
 // (section 3) has the formulas.
 
-//! use aims, facets, lane, light, materials, planes, primitive, primitives, rays, reflectance, surfaces
+//! use aims, facets, lane, light, looks, materials, planes, primitive, primitives, rays, surfaces
 
 //! if light is paths
 // A point where a path meets a surface.
@@ -13,6 +13,7 @@ struct Vertex {
     geometric_normal: vec3f,   // unit, on the viewer's side
     normal: vec3f,             // unit, for shading
     emission: vec3f,
+    left: vec3f,               // share of light per world unit that the inside lets pass, if the viewer is inside
     is_chosen: bool,           // whether it is on a primitive that is chosen as a light source
     outward: vec3f,            // unit, from a sphere's centre
     radius: f32,               // of a sphere, or 0
@@ -26,18 +27,20 @@ fn vertex_at(rays: Rays, hits: Hits) -> Vertex {
     let to_viewer = -normalize(direction);
     let point = rays.origin + direction * of_ray(hits.t, 0u);
     let factor = texture_factor(rays, hits, surface, material.texture, 0u);
+    let look = look_at(rays, hits, surface, material, factor, 0u);
     return Vertex(
         point,
         off_surface(point, rays.origin, surface.reach),
         to_viewer,
         surface.from_outside,
         surface.geometric_normal,
-        surface.shading_normal,
-        material.emission,
+        look.normal,
+        look.emission,
+        look.left,
         material.is_chosen && can_be_chosen(surface, of_ray_u(hits.slot, 0u)),
         surface.outward,
         surface.radius,
-        lobes_of(material, material.albedo * factor, dot(surface.shading_normal, to_viewer)),
+        look.lobes,
     );
 }
 
@@ -121,7 +124,7 @@ fn scattered(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
         result.density = (1.0 - chance) * lobes.opacity * max(dot(vertex.normal, result.direction), 0.0) * INVERSE_PI;
         result.is_diffuse = true;
     } else if lobes.is_glass {
-        result = through_glass(vertex, chosen / chance);
+        result = through_glass(vertex, chosen / chance, at);
         result.weight /= chance;
     } else if lobes.alpha <= LEAST_ALPHA {
         let cosine = dot(vertex.normal, vertex.to_viewer);
@@ -132,7 +135,10 @@ fn scattered(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
         result.side = 1.0;
         result.weight = schlick(lobes, clamp(cosine, 0.0, 1.0)) / chance;
     } else {
-        result.direction = bounded_direction(vertex.normal, vertex.to_viewer, lobes.alpha, at);
+        let facing = max(dot(vertex.normal, vertex.to_viewer), 1e-4);
+        let bound = bound_of(lobes.alpha, facing);
+        let facet = facet_towards(vertex.normal, vertex.to_viewer, lobes.alpha, bound, at);
+        result.direction = normalize(facet * (2.0 * dot(vertex.to_viewer, facet)) - vertex.to_viewer);
         let there = reflectance_of(vertex, result.direction);
         result.density = there.glossy_density;
         result.side = select(0.0, 1.0, there.glossy_density > 0.0);
@@ -148,15 +154,20 @@ struct Split {
     ahead: vec3f,    // direction of the transmitted ray, unit
 }
 
-fn split_by_glass(vertex: Vertex) -> Split {
+// Splits light at glass or at a facet of it with this normal.
+fn split_by_glass(vertex: Vertex, normal: vec3f) -> Split {
     let lobes = vertex.lobes;
-    let cosine = clamp(dot(vertex.normal, vertex.to_viewer), 0.0, 1.0);
+    let cosine = clamp(dot(normal, vertex.to_viewer), 0.0, 1.0);
     // Snell's law: eta is the index on the ray's side over the index on the other side.
-    let eta = select(lobes.index, 1.0 / lobes.index, vertex.from_outside);
+    let eta = select(lobes.index, 1.0 / lobes.index, vertex.from_outside || lobes.is_thin);
     let squared = 1.0 - eta * eta * (1.0 - cosine * cosine);
     if squared <= 0.0 { return Split(vec3f(1.0), vec3f(0.0), vertex.to_viewer); }
     let inner = sqrt(squared);
-    let ahead = normalize(vertex.normal * (eta * cosine - inner) - vertex.to_viewer * eta);
+    var ahead = normalize(normal * (eta * cosine - inner) - vertex.to_viewer * eta);
+    if lobes.is_thin {
+        let mirrored = normal * (2.0 * cosine) - vertex.to_viewer;
+        ahead = mirrored - vertex.normal * (2.0 * dot(mirrored, vertex.normal));
+    }
     if !lobes.is_fresnel {
         return Split(lobes.reflectance, lobes.transmission * (1.0 - lobes.reflectance), ahead);
     }
@@ -164,21 +175,31 @@ fn split_by_glass(vertex: Vertex) -> Split {
     return Split(lobes.reflectance * share, lobes.transmission * (1.0 - share), ahead);
 }
 
-// Chooses between reflection and refraction.
-fn through_glass(vertex: Vertex, choice: f32) -> Scattered {
-    let split = split_by_glass(vertex);
+// Chooses between reflection and refraction, and a facet of rough glass. Light that rough glass sends on is found by
+// chance alone.
+fn through_glass(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
+    let alpha = vertex.lobes.alpha;
+    let is_rough = alpha > LEAST_ALPHA;
+    var normal = vertex.normal;
+    if is_rough { normal = facet_towards(normal, vertex.to_viewer, alpha, 1.0, at); }
+    let split = split_by_glass(vertex, normal);
     let chance = brightness(split.back) / max(brightness(split.back) + brightness(split.passed), 1e-30);
     var result: Scattered;
     if choice < chance {
-        let mirrored = vertex.normal * (2.0 * dot(vertex.normal, vertex.to_viewer)) - vertex.to_viewer;
+        let mirrored = normal * (2.0 * dot(normal, vertex.to_viewer)) - vertex.to_viewer;
         let up = vertex.geometric_normal * max(0.0, 1e-4 - dot(mirrored, vertex.geometric_normal));
-        result.direction = normalize(mirrored + up);
+        result.direction = normalize(mirrored + select(up, vec3f(0.0), is_rough));
         result.side = 1.0;
         result.weight = split.back / chance;
     } else {
         result.direction = split.ahead;
         result.side = -1.0;
         result.weight = split.passed / max(1.0 - chance, 1e-30);
+    }
+    if is_rough {
+        let cosine = dot(vertex.normal, result.direction) * result.side;
+        result.weight *= facets_seen(alpha, cosine);
+        if cosine <= 0.0 || dot(vertex.geometric_normal, result.direction) * result.side <= 0.0 { result.side = 0.0; }
     }
     return result;
 }

@@ -18,7 +18,7 @@ fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
             let material = material_at(surface.material);
             let factor = texture_factor(rays, hits, surface, material.texture, ray);
             found.albedo = with_ray3(found.albedo, ray, material.albedo * factor);
-            found = with_highlights(found, rays, ray, material);
+            found = with_look(found, rays, hits, surface, material, factor, ray);
             found = with_sends(found, ray, surface.material);
         }
         ray += 1u;

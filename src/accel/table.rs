@@ -7,7 +7,7 @@ use half::f16;
 
 use super::{emitters::Emitters, facets};
 use crate::{
-    Finish, Light, LightShape, Material, Scene, Sky, SkyMap, Texture, TextureKind, Wrap,
+    Finish, Light, LightShape, Material, Principled, Scene, Sky, SkyMap, Texture, TextureId, TextureKind, Wrap,
     gpu::Texel,
     kernel::variant::{light_texels, material_texels},
     srgb::linear_of,
@@ -79,7 +79,7 @@ pub(crate) struct ShadingTable<'a> {
 impl<'a> ShadingTable<'a> {
     pub(crate) fn of(scene: &'a Scene) -> Self {
         let more = |material: &Material| material.shines() || material.sends_rays();
-        let each = material_texels(scene.materials().iter().any(more));
+        let each = material_texels(scene.materials().iter().any(more), scene.has_principled());
         Self {
             scene,
             each,
@@ -226,7 +226,7 @@ fn light_of(light: &Light, place: Vec3) -> [Texel; 4] {
 }
 
 /// Returns the texels of a material (materials.wgsl).
-fn material_of(material: &Material) -> [Texel; 4] {
+fn material_of(material: &Material) -> Vec<Texel> {
     let texture = material.texture.map_or(0, |texture| texture.0 + 1);
     let (kind, fresnel, transmission, index) = match material.finish {
         Finish::Matte => (0, false, Vec3::ZERO, 1.0),
@@ -244,6 +244,24 @@ fn material_of(material: &Material) -> [Texel; 4] {
         ),
         texel(material.emission, opacity.to_bits()),
         texel(transmission, f32::to_bits(index)),
+    ]
+    .into_iter()
+    .chain(principled_of(material.principled.as_ref()))
+    .collect()
+}
+
+/// Returns the texels of a physically based surface (`Principled` of materials.wgsl).
+fn principled_of(surface: Option<&Principled>) -> [Texel; 6] {
+    let Some(surface) = surface else { return [[0; 4]; 6] };
+    let number = |texture: Option<TextureId>| texture.map_or(0, |texture| texture.0 + 1);
+    let shape = Vec3::new(surface.metallic, surface.roughness, surface.index);
+    [
+        texel(surface.base, 1 | u32::from(surface.thin) << 1),
+        texel(surface.emission, number(surface.emission_texture)),
+        texel(shape, number(surface.metallic_roughness_texture)),
+        texel(surface.normal_reflectance() * surface.specular, number(surface.normal_texture)),
+        texel(surface.absorption, surface.normal_scale.to_bits()),
+        texel(surface.specular, surface.transmission.to_bits()),
     ]
 }
 
@@ -287,9 +305,9 @@ fn body_of(texture: &Texture, at: u32) -> Vec<Texel> {
             head
         })
         .collect();
-    let decoded = |&[red, green, blue, alpha]: &[u8; 4]| {
-        Vec4::new(linear_of(red), linear_of(green), linear_of(blue), f32::from(alpha) / 255.0)
-    };
+    let share = |value: u8| f32::from(value) / 255.0;
+    let light = |value: u8| if texture.data { share(value) } else { linear_of(value) };
+    let decoded = |&[red, green, blue, alpha]: &[u8; 4]| Vec4::new(light(red), light(green), light(blue), share(alpha));
     let mut level: Vec<Vec4> = pixels.iter().map(decoded).collect();
     for sizes in level_sizes(size).collect::<Vec<_>>().windows(2) {
         texels.extend(halves(&level));

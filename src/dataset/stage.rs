@@ -351,6 +351,10 @@ fn material(random: &RandomMaterials, draws: &Draws, place: usize, own: &Materia
     if let Some(exponent) = &random.exponent {
         found.exponent = draw(exponent, "exponent") as f32;
     }
+    // Paths would show the file's values.
+    if found != *own {
+        found.principled = None;
+    }
     found
 }
 

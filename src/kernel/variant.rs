@@ -65,9 +65,13 @@ impl TexelPlaces {
 }
 
 /// Returns the number of texels per material in the shading table. `more` says whether some material has highlights,
-/// emits light, or reflects or transmits rays.
-pub(crate) fn material_texels(more: bool) -> usize {
-    if more { 4 } else { 1 }
+/// emits light, or reflects or transmits rays, and `principled` whether some material is physically based.
+pub(crate) fn material_texels(more: bool, principled: bool) -> usize {
+    match (more, principled) {
+        (_, true) => 10,
+        (true, false) => 4,
+        (false, false) => 1,
+    }
 }
 
 /// The kind of a sky.
@@ -130,6 +134,8 @@ pub(crate) struct Variant {
     pub(crate) shine: bool,
     /// Whether some highlights are normalised.
     pub(crate) normalised: bool,
+    /// Whether some material is physically based.
+    pub(crate) principled: bool,
     /// Whether some surface reflects or transmits rays: a mirror, glass or a transparent surface.
     pub(crate) mirrors: bool,
     /// Whether some material, and so possibly some triangle, is cut out.
@@ -192,6 +198,7 @@ impl Variant {
         textures: false,
         shine: false,
         normalised: false,
+        principled: false,
         mirrors: false,
         cutouts: false,
         lights: false,
@@ -235,6 +242,7 @@ impl Variant {
             colors: !scene.colors().is_empty(),
             textures: scene.is_textured(),
             shine: scene.materials().iter().any(Material::shines),
+            principled: scene.has_principled(),
             normalised: scene.materials().iter().any(Material::shines_normalised),
             mirrors: (triangles || balls || planes > 0) && scene.materials().iter().any(Material::sends_rays),
             cutouts: triangles && scene.is_cut_out(),

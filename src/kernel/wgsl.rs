@@ -86,6 +86,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "lights",
     "linear",
     "lists",
+    "looks",
     "marks",
     "materials",
     "objects",

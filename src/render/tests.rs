@@ -4,8 +4,8 @@ use std::{num::NonZeroU32, ops::ControlFlow};
 use glam::{DVec3, Vec3};
 
 use crate::{
-    BufferDepth, Check, Error, Lighting, GBuffer, Gpu, Method, Options, Renderer, Rows, Scene, Statistics, StereoCamera,
-    StereoPair, Traversal, UploadedScene,
+    BufferDepth, Check, Error, GBuffer, Gpu, Lighting, Method, Options, Renderer, Rows, Scene, Statistics,
+    StereoCamera, StereoPair, Traversal, UploadedScene,
     frame::{
         Bands,
         driver::{Driver, Setting},

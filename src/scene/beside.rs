@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
-use super::{Mesh, Scene, Texture, Triangle, mesh::Object};
+use super::{Material, Mesh, Scene, Texture, Triangle, mesh::Object};
 
 /// Texture coordinates of triangles that have none: zero.
 const NO_UV: [Vec2; 3] = [Vec2::ZERO; 3];
@@ -68,7 +68,10 @@ impl Scene {
 
     /// Returns whether some surface has a texture or vertex colours.
     pub(crate) fn is_textured(&self) -> bool {
-        !self.colors().is_empty() || self.materials().iter().any(|material| material.texture.is_some())
+        let is_textured = |material: &Material| {
+            material.texture.is_some() || material.principled.is_some_and(|surface| surface.textures().next().is_some())
+        };
+        !self.colors().is_empty() || self.materials().iter().any(is_textured)
     }
 
     /// Returns whether some material has a cut-out.

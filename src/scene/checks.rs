@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 use glam::Vec3;
 
 use super::{
-    Finish, MAX_COORDINATE, MAX_LIGHTS, MAX_SOFT_LIGHTS, MIN_EXTENT, Material, MaterialId, Scene, Sky, Sphere,
-    TextureId,
+    Finish, MAX_COORDINATE, MAX_LIGHTS, MAX_SOFT_LIGHTS, MIN_EXTENT, Material, MaterialId, Principled, Scene, Sky,
+    Sphere, TextureId,
 };
 use crate::{Error, message::counted};
 
@@ -82,8 +82,13 @@ impl Scene {
             check_within("index", index, &INDICES)?;
             check_color("transmission", transmission)?;
         }
-        for (what, texture) in [("texture", material.texture), ("cutout", material.cutout)] {
-            if let Some(TextureId(id)) = texture.filter(|id| id.0 as usize >= self.textures.len()) {
+        if let Some(surface) = &material.principled {
+            surface.check()?;
+        }
+        let own = [("texture", material.texture), ("cutout", material.cutout)];
+        let own = own.into_iter().filter_map(|(what, texture)| Some((what, texture?)));
+        for (what, texture) in own.chain(material.principled.iter().flat_map(Principled::textures)) {
+            if let Some(TextureId(id)) = Some(texture).filter(|id| id.0 as usize >= self.textures.len()) {
                 return Err(format!(
                     "{what} {id} is out of range for {}",
                     counted(self.textures.len(), "texture", "textures")
@@ -173,7 +178,7 @@ pub(crate) fn check_color(what: &str, color: Vec3) -> Result<(), String> {
     }
 }
 
-fn check_within(what: &str, value: f32, range: &RangeInclusive<f32>) -> Result<(), String> {
+pub(super) fn check_within(what: &str, value: f32, range: &RangeInclusive<f32>) -> Result<(), String> {
     match range.contains(&value) {
         true => Ok(()),
         false => Err(format!("{what} is {value}; it must be within {} to {}", range.start(), range.end())),

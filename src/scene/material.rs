@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::TextureId;
+use super::{Principled, TextureId};
 
 /// Minimum alpha of a solid pixel.
 pub(crate) const MASK_ALPHA: u8 = 128;
@@ -72,6 +72,10 @@ pub struct Material {
     pub emission: Vec3,
     /// Reflection and refraction. MTL's `illum`.
     pub finish: Finish,
+    /// Physically based surface; `None` by default. Paths of light show it in place of the other values, except the
+    /// textures and the opacity. glTF files set it.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub principled: Option<Principled>,
 }
 
 impl Material {
@@ -91,6 +95,7 @@ impl Material {
             normalised: false,
             emission: Vec3::ZERO,
             finish: Finish::Matte,
+            principled: None,
         }
     }
 

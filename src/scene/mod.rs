@@ -12,6 +12,7 @@ pub(crate) mod material;
 pub(crate) mod mesh;
 mod moving;
 mod plane;
+pub(crate) mod principled;
 #[cfg(feature = "serde")]
 mod serialised;
 pub(crate) mod sky;
@@ -24,6 +25,7 @@ pub use light::{Light, LightShape, MAX_SOFT_LIGHTS};
 pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
 pub use plane::{MAX_PLANES, PLANE_REACH, Plane};
+pub use principled::Principled;
 pub use sky::SkyMap;
 pub use texture::{MAX_TEXTURE_SIDE, Texture, TextureId, TextureKind, Wrap};
 

@@ -107,6 +107,8 @@ fn scene(given: GivenScene<'_>) -> Result<Scene, Error> {
 pub(super) struct GivenTexture {
     kind: TextureKind,
     wrap: Wrap,
+    #[serde(default)]
+    data: bool,
 }
 
 impl TryFrom<GivenTexture> for Texture {
@@ -121,7 +123,7 @@ impl TryFrom<GivenTexture> for Texture {
                 Self::checkerboard(first, second, squares)
             }
         };
-        Ok(texture?.wrap(given.wrap))
+        Ok(texture?.wrap(given.wrap).data(given.data))
     }
 }
 

@@ -87,6 +87,8 @@ pub struct Texture {
     kind: TextureKind,
     /// Treatment of texture coordinates outside 0 to 1.
     pub wrap: Wrap,
+    /// Whether a picture's values are data, such as normals or roughness, rather than colours in sRGB.
+    pub data: bool,
 }
 
 impl Texture {
@@ -130,12 +132,18 @@ impl Texture {
     }
 
     pub(crate) fn of(kind: TextureKind) -> Self {
-        Self { kind, wrap: Wrap::default() }
+        Self { kind, wrap: Wrap::default(), data: false }
     }
 
     /// Sets the treatment of texture coordinates outside 0 to 1.
     pub fn wrap(mut self, wrap: Wrap) -> Self {
         self.wrap = wrap;
+        self
+    }
+
+    /// Sets whether a picture's values are data, such as normals or roughness, rather than colours in sRGB.
+    pub fn data(mut self, data: bool) -> Self {
+        self.data = data;
         self
     }
 

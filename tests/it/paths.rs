@@ -4,8 +4,8 @@ use crate::common;
 
 use common::renderer;
 use stereotrace::{
-    Finish, Light, Lighting, Material, Mesh, Method, Options, Renderer, Scene, Sky, SkyMap, Sphere, StereoCamera,
-    StereoPair, blocking::Wait, glam::Vec3,
+    Finish, Light, Lighting, Material, Mesh, Method, Options, Principled, Renderer, Scene, Sky, SkyMap, Sphere,
+    StereoCamera, StereoPair, blocking::Wait, glam::Vec3,
 };
 
 const SIDE: u32 = 16;
@@ -89,9 +89,25 @@ fn a_white_sky_comes_back_from_whatever_loses_none() {
         ("veil".to_owned(), grey(1.0).opacity(0.5), 1.0),
         ("glossy veil".to_owned(), lacquer(20.0).opacity(0.3), 1.0),
     ];
-    for exponent in [0.0, 1.0, 5.0, 20.0, 100.0, 1000.0, 10_000.0] {
+    // The short form takes fewer of each.
+    let some = |all: &[f32]| all.iter().copied().step_by(if common::is_long() { 1 } else { 3 }).collect::<Vec<_>>();
+    for exponent in some(&[0.0, 1.0, 5.0, 20.0, 100.0, 1000.0, 10_000.0]) {
         all.push((format!("metal {exponent}"), metal(exponent), 1.0));
         all.push((format!("lacquer {exponent}"), lacquer(exponent), 1.0));
+    }
+    let principled = |surface: Principled| grey(0.0).principled(surface);
+    for roughness in some(&[0.2, 0.0, 0.5, 1.0]) {
+        let white = |metallic| Principled::new(Vec3::ONE, metallic, roughness);
+        all.push((format!("dielectric, rough {roughness}"), principled(white(0.0)), 1.0));
+        all.push((format!("half metal, rough {roughness}"), principled(white(0.5)), 1.0));
+        all.push((format!("metal, rough {roughness}"), principled(white(1.0)), 1.0));
+    }
+    // Light that a ball of half clear matter scatters inside itself stays there, by total reflection.
+    let half = Principled::new(Vec3::ONE, 0.0, 0.0).transmission(0.5).thin(true);
+    all.push(("half clear and thin".to_owned(), principled(half), 1.0));
+    for thin in [false, true] {
+        let clear = |share| Principled::new(Vec3::ONE, 0.0, 0.0).transmission(share).thin(thin);
+        all.push((format!("clear, thin {thin}"), principled(clear(1.0)), 1.0));
     }
     for (name, material, expected) in all {
         let mut scene = Scene::new();

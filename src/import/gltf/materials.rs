@@ -13,22 +13,17 @@ use super::{
     textures::{Picture, Textures},
 };
 use crate::{
-    Error, Finish, Material, MaterialId, Scene, TextureId,
+    Error, Finish, Material, MaterialId, Principled, Scene, TextureId,
     import::{
         SceneOptions,
         warnings::{Place, Warnings},
     },
     message::counted,
-    scene::checks::{EXPONENTS, INDICES},
+    scene::{checks::INDICES, principled::phong},
 };
 
-/// Reflectance of dielectrics at normal incidence, by the specification.
-const DIELECTRIC: f32 = 0.04;
-/// Maximum roughness of a material that becomes a mirror, since its highlights would be points.
-const MIRROR_ROUGHNESS: f32 = 0.1;
-
 /// The specification's map from texture coordinates to a picture.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(super) struct UvRule {
     /// Index of the primitive's set of texture coordinates.
     pub(super) set: u32,
@@ -101,7 +96,8 @@ impl<'a> Surfaces<'a> {
             None => &plain,
         };
         let (material, uv) = self.read(description, index.unwrap_or_default(), warnings)?;
-        let is_textured = material.texture.is_some();
+        let maps = material.principled.is_some_and(|surface| surface.textures().next().is_some());
+        let is_textured = material.texture.is_some() || maps;
         self.new.push(material);
         let surface = Surface { material: MaterialId((self.moved + self.new.len()) as u32 - 1), uv, is_textured };
         self.found.insert(index, surface);
@@ -140,45 +136,84 @@ impl<'a> Surfaces<'a> {
         };
         let metallic = &description.pbr_metallic_roughness;
         let [r, g, b, a] = metallic.base_color_factor.0.map(&mut share);
-        let base = Vec3::new(r, g, b);
-        let emission = Vec3::from_array(description.emissive_factor.0.map(&mut share));
-        let (mut metal, mut roughness) = (share(metallic.metallic_factor.0), share(metallic.roughness_factor.0));
+        let mut surface =
+            Principled::new(Vec3::new(r, g, b), share(metallic.metallic_factor.0), share(metallic.roughness_factor.0));
+        surface.emission = Vec3::from_array(description.emissive_factor.0.map(&mut share));
         let extensions = description.extensions.as_ref();
-        let clear = extensions.and_then(|extensions| extensions.transmission.as_ref());
-        let clear = share(clear.map_or(0.0, |transmission| transmission.transmission_factor.0));
+        if let Some(clear) = extensions.and_then(|extensions| extensions.transmission.as_ref()) {
+            surface.transmission = share(clear.transmission_factor.0);
+            surface.thin = true;
+        }
+        if let Some(ior) = extensions.and_then(|extensions| extensions.ior.as_ref()) {
+            surface.index = Some(ior.ior.0).filter(|ior| INDICES.contains(ior)).unwrap_or(1.5);
+        }
+        if let Some(specular) = extensions.and_then(|extensions| extensions.specular.as_ref()) {
+            let factor = share(specular.specular_factor.0);
+            surface.specular = Vec3::from_array(specular.specular_color_factor.0.map(|value| share(value * factor)));
+        }
+        if let Some(volume) = extensions.and_then(|extensions| extensions.volume.as_ref()) {
+            surface.thin = volume.thickness_factor.0 <= 0.0;
+            let (color, distance) =
+                (Vec3::from_array(volume.attenuation_color.0.map(&mut share)), volume.attenuation_distance.0);
+            if distance > 0.0 {
+                surface.absorption = -color.max(Vec3::splat(1e-6)).map(f32::ln) / distance;
+            }
+        }
         self.out_of_range += usize::from(crossed);
 
-        let picture = match &metallic.base_color_texture {
+        let uv = uv_rule(description);
+        let base = match &metallic.base_color_texture {
             Some(info) => self.textures.picture(info.index, &format!("{name}, baseColorTexture"), warnings)?,
             None => None,
         };
-        let uv = match (&metallic.base_color_texture, &picture) {
-            (Some(info), Some(_)) => UvRule::of(info),
-            _ => UvRule::PLAIN,
-        };
-        if let Some(info) = &metallic.metallic_roughness_texture {
-            let means = self.textures.means(info.index, &format!("{name}, metallicRoughnessTexture"), warnings)?;
-            let means = means.map_or(Vec3::ONE, |means| means.values);
-            (roughness, metal) = (roughness * means.y, metal * means.z);
+        // Direct light shows the means of textures other than the base colour's.
+        let mut seen = surface;
+        if let Some(info) = &metallic.metallic_roughness_texture
+            && let Some(picture) =
+                self.textures.picture(info.index, &format!("{name}, metallicRoughnessTexture"), warnings)?
+        {
+            let means = self.textures.means_of(&picture).values;
+            (seen.roughness, seen.metallic) = (seen.roughness * means.y, seen.metallic * means.z);
+            match UvRule::of(info) == uv {
+                true => surface.metallic_roughness_texture = Some(self.textures.data_id(&picture)),
+                false => (surface.roughness, surface.metallic) = (seen.roughness, seen.metallic),
+            }
         }
-        let emission = emission * self.emission_scale(description, &name, warnings)?;
-        let alpha = self.alpha(description, a, (picture.as_ref(), &name), warnings)?;
-        let texture = picture.as_ref().map(|picture| self.textures.id(picture));
+        surface.emission *= self.emission_strength(description, &name)?;
+        seen.emission = surface.emission;
+        if let Some(info) = description.emissive_texture.as_ref().filter(|_| surface.emission != Vec3::ZERO)
+            && let Some(picture) = self.textures.picture(info.index, &format!("{name}, emissiveTexture"), warnings)?
+        {
+            seen.emission *= self.textures.means_of(&picture).light;
+            match UvRule::of(info) == uv {
+                true => surface.emission_texture = Some(self.textures.id(&picture)),
+                false => surface.emission = seen.emission,
+            }
+        }
+        if let Some(info) = &description.normal_texture
+            && info.tex_coord == uv.set
+            && let Some(picture) = self.textures.picture(info.index, &format!("{name}, normalTexture"), warnings)?
+        {
+            surface.normal_texture = Some(self.textures.data_id(&picture));
+            surface.normal_scale = info.scale;
+        }
+        let alpha = self.alpha(description, a, (base.as_ref(), &name), warnings)?;
+        let texture = base.as_ref().map(|picture| self.textures.id(picture));
 
         let material_name = description.name.clone().unwrap_or_default();
         let unlit = extensions.is_some_and(|extensions| extensions.unlit.is_some());
         let mut material = if unlit && texture.is_none() {
-            Material::new(Vec3::ZERO).emission(base)
+            Material::new(Vec3::ZERO).emission(surface.base)
         } else if unlit {
             warnings.left_out("unlit materials with a texture, which are lit", Place::Item("materials", index));
-            Material::new(base)
+            Material::new(surface.base)
         } else {
-            let picture = picture.as_ref().filter(|_| metal > 0.0);
-            let mean = picture.map_or(Vec3::ONE, |picture| self.textures.mean_light(picture));
-            let ior = extensions.and_then(|extensions| extensions.ior.as_ref()).map(|ior| ior.ior.0);
-            surface(base, mean, (metal, roughness), clear, ior).emission(emission)
+            let picture = base.as_ref().filter(|_| seen.metallic > 0.0);
+            let mean = picture.map_or(Vec3::ONE, |picture| self.textures.means_of(picture).light);
+            phong(&seen, mean).emission(seen.emission)
         };
         material = material.name(material_name);
+        material.principled = (!unlit).then_some(surface);
         (material.texture, material.cutout) = (texture, alpha.cutout);
         if !matches!(material.finish, Finish::Glass { .. }) {
             material.opacity = alpha.opacity;
@@ -188,26 +223,16 @@ impl<'a> Surfaces<'a> {
     }
 
     /// Returns the factor of the emissive colour.
-    fn emission_scale(
-        &mut self,
-        description: &Description,
-        name: &str,
-        warnings: &mut Warnings,
-    ) -> Result<Vec3, Error> {
+    fn emission_strength(&self, description: &Description, name: &str) -> Result<f32, Error> {
         let extensions = description.extensions.as_ref();
         let strength = extensions.and_then(|extensions| extensions.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
-        if !(strength >= 0.0 && strength.is_finite()) {
-            return Err(self
+        match strength >= 0.0 && strength.is_finite() {
+            true => Ok(strength),
+            false => Err(self
                 .document
-                .fault(format!("{name}: its emissiveStrength is {strength}; it must be finite and not negative")));
+                .fault(format!("{name}: its emissiveStrength is {strength}; it must be finite and not negative"))),
         }
-        let Some(info) = description.emissive_texture.as_ref().filter(|_| description.emissive_factor.0 != [0.0; 3])
-        else {
-            return Ok(Vec3::splat(strength));
-        };
-        let means = self.textures.means(info.index, &format!("{name}, emissiveTexture"), warnings)?;
-        Ok(strength * means.map_or(Vec3::ONE, |means| means.light))
     }
 
     /// Returns a material's opacity and cut-out. A mask becomes a cut-out. Blending becomes one opacity, with a cut-out
@@ -254,31 +279,27 @@ impl<'a> Surfaces<'a> {
     }
 }
 
-/// Converts metal and roughness to diffuse colour, highlights and mirrors. `mean` is the texture's mean colour, since
-/// highlights have no texture.
-fn surface(base: Vec3, mean: Vec3, (metal, roughness): (f32, f32), clear: f32, ior: Option<f32>) -> Material {
-    let is_mirror = roughness <= MIRROR_ROUGHNESS;
-    let rough = if is_mirror { 0.0 } else { roughness };
-    let scattered = (1.0 - metal) * (1.0 - clear) * (1.0 - DIELECTRIC * (1.0 - rough)) + metal * rough;
-    let specular = (1.0 - metal) * DIELECTRIC + metal * base * mean;
-    let exponent = (0.5 / (rough * rough * rough * rough).max(1e-9) - 0.5).clamp(*EXPONENTS.start(), *EXPONENTS.end());
-    let material = Material::new(base * scattered).exponent(exponent).normalised(true);
-    let index = ior.filter(|ior| INDICES.contains(ior)).unwrap_or(1.5);
-    match (clear * (1.0 - metal) > 0.0, is_mirror) {
-        (true, _) => {
-            let transmission = base * clear * (1.0 - metal);
-            material.specular(specular).finish(Finish::Glass { index, transmission, fresnel: true })
-        }
-        (false, true) => material.specular(specular).finish(Finish::Mirror { fresnel: true }),
-        (false, false) => material.specular(specular * (1.0 - rough)),
-    }
+/// Returns the map of a material's textures: that of the first one it has.
+fn uv_rule(description: &Description) -> UvRule {
+    let metallic = &description.pbr_metallic_roughness;
+    let normal = description.normal_texture.as_ref();
+    let normal = normal.map(|info| UvRule { set: info.tex_coord, ..UvRule::PLAIN });
+    let infos = [&metallic.base_color_texture, &metallic.metallic_roughness_texture, &description.emissive_texture];
+    let mut rules = infos.into_iter().flatten().map(UvRule::of).chain(normal);
+    rules.next().unwrap_or(UvRule::PLAIN)
 }
 
 /// Counts unsupported textures.
 fn note_left_out(description: &Description, index: usize, warnings: &mut Warnings) {
     let place = Place::Item("materials", index);
-    if description.normal_texture.is_some() {
-        warnings.left_out("normal textures", place);
+    let rule = uv_rule(description);
+    let metallic = &description.pbr_metallic_roughness;
+    let others = [&metallic.metallic_roughness_texture, &description.emissive_texture];
+    if others.into_iter().flatten().any(|info| UvRule::of(info) != rule) {
+        warnings.left_out("textures with another map than their material's first texture; means are used", place);
+    }
+    if description.normal_texture.as_ref().is_some_and(|info| info.tex_coord != rule.set) {
+        warnings.left_out("normal textures with other texture coordinates than their material's first texture", place);
     }
     if description.occlusion_texture.is_some() {
         warnings.left_out("occlusion textures", place);

@@ -49,6 +49,9 @@ enum Source {
     Uri(usize),
 }
 
+/// What distinguishes textures: picture, wrap, alpha threshold, and whether the values are data rather than colours.
+type Key = (usize, Wrap, Option<u8>, bool);
+
 /// Cached results for a picture. Thousands of materials may use one large picture, so nothing is computed twice.
 #[derive(Default)]
 struct Known {
@@ -74,8 +77,8 @@ pub(super) struct Textures<'a> {
     of_images: HashMap<usize, usize>,
     of_sources: HashMap<Source, usize>,
     pictures: Vec<Known>,
-    /// Texture ids by picture, wrap and alpha threshold.
-    ids: HashMap<(usize, Wrap, Option<u8>), TextureId>,
+    /// Texture ids.
+    ids: HashMap<Key, TextureId>,
     /// Textures that are not yet in the scene, and the number that are.
     new: Vec<Texture>,
     moved: usize,
@@ -120,24 +123,9 @@ impl<'a> Textures<'a> {
         Ok(Some(Picture { number, texture: texture.wrap(wrap) }))
     }
 
-    /// Returns the means of a texture's picture, without keeping the picture.
-    pub(super) fn means(
-        &mut self,
-        index: Index<Description>,
-        by: &str,
-        warnings: &mut Warnings,
-    ) -> Result<Option<Means>, Error> {
-        let Some((image, number)) = self.number(index, by, warnings)? else { return Ok(None) };
-        if self.pictures[number].means.is_none() {
-            let Some(texture) = self.loaded((image, number), by, warnings)? else { return Ok(None) };
-            self.pictures[number].means = Some(means(&texture));
-        }
-        Ok(self.pictures[number].means)
-    }
-
-    /// Returns the mean of a picture in linear light.
-    pub(super) fn mean_light(&mut self, picture: &Picture) -> Vec3 {
-        self.pictures[picture.number].means.get_or_insert_with(|| means(&picture.texture)).light
+    /// Returns the means of a picture.
+    pub(super) fn means_of(&mut self, picture: &Picture) -> Means {
+        *self.pictures[picture.number].means.get_or_insert_with(|| means(&picture.texture))
     }
 
     /// Returns the number of a picture's pixels by alpha.
@@ -147,7 +135,12 @@ impl<'a> Textures<'a> {
 
     /// Returns the texture id of a picture.
     pub(super) fn id(&mut self, picture: &Picture) -> TextureId {
-        self.added((picture.number, picture.texture.wrap, None), picture.texture.clone())
+        self.added((picture.number, picture.texture.wrap, None, false), picture.texture.clone())
+    }
+
+    /// Returns the texture id of a picture whose values are data.
+    pub(super) fn data_id(&mut self, picture: &Picture) -> TextureId {
+        self.added((picture.number, picture.texture.wrap, None, true), picture.texture.clone().data(true))
     }
 
     /// Returns the texture id of a picture that is cut out below an alpha. Returns `None` if the picture exceeds the
@@ -177,7 +170,7 @@ impl<'a> Textures<'a> {
                 Err(error) => return self.lost(by, error, warnings),
             },
         };
-        Ok(Some(self.added((picture.number, wrap, Some(least)), texture.wrap(wrap))))
+        Ok(Some(self.added((picture.number, wrap, Some(least), false), texture.wrap(wrap))))
     }
 
     /// Returns a copy of a picture with an alpha of 255 from `least` on, 0 below.
@@ -196,7 +189,7 @@ impl<'a> Textures<'a> {
         Texture::image(*width, *height, pixels.iter().map(cut).collect())
     }
 
-    fn added(&mut self, key: (usize, Wrap, Option<u8>), texture: Texture) -> TextureId {
+    fn added(&mut self, key: Key, texture: Texture) -> TextureId {
         *self.ids.entry(key).or_insert_with(|| {
             self.new.push(texture);
             TextureId((self.moved + self.new.len()) as u32 - 1)

@@ -12,7 +12,7 @@ use crate::{
 
 impl Kernel {
     /// Returns the value of each choice in shared WGSL.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 31] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 32] {
         let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
@@ -48,8 +48,9 @@ impl Kernel {
             Visible::TakenOrTraced => "taken_or_traced",
         };
         let shine = match (with.shine, with.normalised) {
+            (false, _) if !(with.paths && with.principled) => "none",
+            (_, _) if with.paths => "facets",
             (false, _) => "none",
-            (true, _) if with.paths => "facets",
             (true, false) => "some",
             (true, true) => "normalised",
         };
@@ -118,6 +119,7 @@ impl Kernel {
             ("textures", if with.textures { "some" } else { "none" }),
             ("light", if with.paths { "paths" } else { "direct" }),
             ("shine", shine),
+            ("principled", if with.principled { "some" } else { "none" }),
             ("mirrors", mirrors),
             ("sky", sky),
             ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),
@@ -149,6 +151,7 @@ impl Kernel {
         // With `Two`, a sample's second word holds an occluder, unless it holds shares. With `Block`, it holds the
         // sample's own slot, since the six samples are compared by their normals.
         let shares = with.shares && with.is_soft();
+        let shine = with.shine || (with.paths && with.principled);
         let TexelPlaces { uv, colors, count } = with.texel_places();
         // Soft light in mirrored surfaces is sampled by a quarter of the rays.
         let fewer = if self.role.does().follows { 4 } else { 1 };
@@ -161,9 +164,9 @@ impl Kernel {
             flag("KEEP_BITS", with.sample_use(self.role) == SampleUse::Written),
             flag("CLOSE", with.close),
             ("LARGE", "f32", format!("{LARGE:?}")),
-            flag("SHINE", with.shine),
-            flag("FACETS", with.shine && with.paths),
-            number("MATERIAL_TEXELS", material_texels(with.shine || with.mirrors) as u32),
+            flag("SHINE", shine),
+            flag("FACETS", shine && with.paths),
+            number("MATERIAL_TEXELS", material_texels(with.shine || with.mirrors, with.principled) as u32),
             number("PRIMITIVE_TEXELS", count as u32),
             number("LIGHT_TEXELS", light_texels(with.soft_lights) as u32),
             flag("CASTS", with.casts),

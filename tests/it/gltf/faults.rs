@@ -350,7 +350,7 @@ fn bombs_are_refused_with_what_raises_their_limit() {
 fn what_pictures_do_not_show_is_named_once() {
     let folder = Folder::new("gltf_left_out");
     warnings::collect();
-    let mut builder = Builder::triangle(json!({ "occlusionTexture": { "index": 0 }, "normalTexture": { "index": 0 } }));
+    let mut builder = Builder::triangle(json!({ "occlusionTexture": { "index": 0 } }));
     builder.json["extensionsUsed"] =
         json!(["EXT_mesh_gpu_instancing", "KHR_materials_clearcoat", "KHR_materials_unlit"]);
     let points = builder.mesh(&[[0.0; 3]], json!({ "mode": 0 }));
@@ -369,8 +369,8 @@ fn what_pictures_do_not_show_is_named_once() {
     Scene::from_gltf(folder.write("scene.gltf", builder.text())).unwrap();
     let expected = [
         "scene.gltf: ignored extensions: EXT_mesh_gpu_instancing, KHR_materials_clearcoat",
-        "scene.gltf: ignored: animations; morph targets in meshes[0]; normal textures in materials[0]; occlusion \
-         textures in materials[0]; orthographic cameras in cameras[0]; points and lines in meshes[1]; primitives \
+        "scene.gltf: ignored: animations; morph targets in meshes[0]; occlusion textures in \
+         materials[0]; orthographic cameras in cameras[0]; points and lines in meshes[1]; primitives \
          without positions in meshes[2]; scenes other than the default or the first one; skins",
     ];
     assert_eq!(warnings::of(&folder), expected);

@@ -1,7 +1,7 @@
 //! Tests materials by the rules of docs/FORMATS.md.
 
 use serde_json::{Value, json};
-use stereotrace::{Finish, Material, glam::Vec3};
+use stereotrace::{Finish, Material, Principled, glam::Vec3};
 
 use super::{assert_near, gltf::Builder, material, scene};
 
@@ -16,7 +16,8 @@ fn metallic(color: [f32; 4], metal: f32, roughness: f32) -> Value {
 
 #[test]
 fn rough_dielectrics_are_diffuse_by_their_linear_colour() {
-    let found = read(metallic([0.2, 0.5, 1.0, 1.0], 0.0, 1.0));
+    let mut found = read(metallic([0.2, 0.5, 1.0, 1.0], 0.0, 1.0));
+    assert_eq!(found.principled.take(), Some(Principled::new(Vec3::new(0.2, 0.5, 1.0), 0.0, 1.0)));
     assert_eq!(found, Material::new(Vec3::new(0.2, 0.5, 1.0)).name("one").exponent(0.0).normalised(true));
 }
 

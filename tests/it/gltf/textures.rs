@@ -4,7 +4,7 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Value, json};
 use stereotrace::{
     Limits, Material, Method, MissingTextures, Options, OutsideFiles, Scene, SceneFile, SceneOptions, StereoCamera,
-    TextureKind, Wrap,
+    TextureId, TextureKind, Wrap,
     blocking::Wait,
     glam::{Vec2, Vec3},
 };
@@ -230,7 +230,7 @@ fn masks_cut_out_from_their_cutoff_on() {
 }
 
 #[test]
-fn metal_roughness_and_emission_are_the_means_of_their_pictures() {
+fn direct_light_shows_the_means_of_metal_roughness_and_emission_and_paths_their_pictures() {
     let mut builder = textured(
         &[[255, 0, 0, 255], [0, 0, 0, 255]],
         json!({ "emissiveFactor": [1, 1, 1],
@@ -247,7 +247,11 @@ fn metal_roughness_and_emission_are_the_means_of_their_pictures() {
     assert_near(found.albedo, Vec3::splat(0.5 * 0.98 + 0.25));
     assert_near(found.specular, 0.5 * (0.5 * Vec3::splat(0.04) + 0.5 * Vec3::new(0.5, 0.0, 0.0)));
     assert!((found.emission - Vec3::new(0.502_886, 0.5, 0.0)).length() < 1e-5, "{}", found.emission);
-    assert_eq!(scene.textures().len(), 1, "means keep no picture");
+    let surface = found.principled.unwrap();
+    assert_eq!((surface.base, surface.metallic, surface.roughness, surface.emission), (Vec3::ONE, 1.0, 1.0, Vec3::ONE));
+    let is_data = |texture: Option<TextureId>| scene.textures()[texture.unwrap().0 as usize].data;
+    assert!(is_data(surface.metallic_roughness_texture) && !is_data(surface.emission_texture));
+    assert_eq!(scene.textures().len(), 3);
 }
 
 /// A factor is linear, and a picture is in sRGB. The byte 188 equals the factor 0.5029.
@@ -324,7 +328,7 @@ fn images_of_the_same_bytes_or_file_are_one_picture() {
 }
 
 #[test]
-fn pictures_of_which_only_means_are_kept_have_a_limit_together() {
+fn pictures_of_metal_and_roughness_have_a_limit_together() {
     let pictures: Vec<Vec<u8>> = (0..5).map(|index| png(2, 2, &[[index; 4]; 4])).collect();
     let read = |images: &[usize], cut: usize| {
         let mut builder = Builder::triangle(json!({}));
@@ -342,12 +346,12 @@ fn pictures_of_which_only_means_are_kept_have_a_limit_together() {
         let read = SceneFile::open(folder.write("scene.gltf", builder.text()), &options);
         (read.map(|_| ()).map_err(|error| error.to_string()), warnings::of(&folder))
     };
-    // The limit allows sixteen decoded pixels, which are four pictures. Each picture may be used any number of times.
-    assert_eq!(read(&[0, 1, 2, 3, 0, 1, 2, 3, 3, 2], 0).0, Ok(()));
-    let message = read(&[0, 1, 2, 3, 4], 0).0.unwrap_err();
-    let expected = "materials[4], metallicRoughnessTexture: the picture has 2x2 pixels, 4 in all, over the limit of 0";
+    // The limit allows one picture. It may be used any number of times.
+    assert_eq!(read(&[0, 0, 0], 0).0, Ok(()));
+    let message = read(&[0, 0, 1], 0).0.unwrap_err();
+    let expected = "materials[2], metallicRoughnessTexture: the picture has 2x2 pixels, 4 in all, over the limit of 0";
     assert!(message.contains(expected), "{message}");
-    // Broken pictures count too, once each.
+    // Broken pictures count too, once each: sixteen pixels may be decoded, which are four pictures.
     let (_, warnings) = read(&[0, 1, 2, 3, 4], 20);
     assert!(
         warnings[3].contains("can't read the texture") && warnings[4].contains("over the limit of 0"),

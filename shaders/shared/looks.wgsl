@@ -1,0 +1,115 @@
+// The look of surfaces to paths: their lobes, with textures.
+
+//! use facets, fetch, lane, materials, planes, rays, table, textures, triangle
+
+//! if light is paths
+struct Look {
+    normal: vec3f,      // unit, for shading
+    emission: vec3f,
+    left: vec3f,        // share of light per world unit that the inside lets pass, if the viewer is inside
+    lobes: Lobes,
+}
+
+//! if light is paths and principled is none
+// `factor` is the colour of the material's texture and of the corners.
+fn look_at(rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec3f, ray: u32) -> Look {
+    return plain_look(rays, surface, material, factor, ray);
+}
+
+//! if light is paths
+fn plain_look(rays: Rays, surface: Surface, material: Material, factor: vec3f, ray: u32) -> Look {
+    let facing = -dot(surface.shading_normal, normalize(of_ray3(rays.direction, ray)));
+    let lobes = lobes_of(material, material.albedo * factor, facing);
+    return Look(surface.shading_normal, material.emission, vec3f(1.0), lobes);
+}
+
+//! if light is paths and principled is some
+fn look_at(rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec3f, ray: u32) -> Look {
+    let principled = principled_at(surface.material);
+    if !principled.is_there { return plain_look(rays, surface, material, factor, ray); }
+    let to_viewer = -normalize(of_ray3(rays.direction, ray));
+    let base = principled.base * factor;
+    let shape = map_color(rays, hits, surface, principled.texture, ray);
+    let roughness = principled.roughness * shape.y;
+    let metallic = principled.metallic * shape.z;
+    var look = Look(surface.shading_normal, principled.emission, vec3f(1.0), Lobes());
+    if principled.normal_texture != 0u {
+        look.normal = mapped_normal(rays, hits, surface, principled, to_viewer, ray);
+    }
+    look.emission *= map_color(rays, hits, surface, principled.emission_texture, ray);
+    let clear = principled.transmission * (1.0 - metallic);
+    look.lobes.opacity = material.opacity;
+    look.lobes.diffuse = base * ((1.0 - metallic) * (1.0 - principled.transmission));
+    let facing = clamp(dot(look.normal, to_viewer), 0.0, 1.0);
+    let alpha = roughness * roughness;
+    if clear > 0.0 {
+        look.lobes.opacity = 1.0;
+        look.lobes.is_glass = true;
+        look.lobes.is_fresnel = true;
+        look.lobes.is_thin = principled.is_thin;
+        look.lobes.reflectance = principled.specular;
+        look.lobes.alpha = alpha;
+        look.lobes.transmission = base * clear;
+        look.lobes.index = principled.index;
+        let enters = surface.from_outside || principled.is_thin;
+        let eta = select(principled.index, 1.0 / principled.index, enters);
+        look.lobes.diffuse *= 1.0 - principled.specular * glass_share(eta, facing);
+        look.lobes.glossy = 1.0;
+        if !surface.from_outside && !principled.is_thin { look.left = exp(-principled.absorption); }
+    } else {
+        look.lobes = with_highlights(look.lobes, principled.dielectric, base, metallic, alpha, facing);
+    }
+    return look;
+}
+
+//! if light is paths and principled is some and textures is none
+fn map_color(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f { return vec3f(1.0); }
+
+//! if light is paths and principled is some and textures is some and planes is none
+// Returns a texture's colour, or 1 without one.
+fn map_color(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f {
+    if texture == 0u { return vec3f(1.0); }
+    return texture_color(table_texel(TEXTURES).w + texture - 1u, lookup_at(rays, hits, surface, ray));
+}
+
+//! if light is paths and principled is some and textures is some and planes is some
+fn map_color(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f {
+    if texture == 0u { return vec3f(1.0); }
+    let head_at = table_texel(TEXTURES).w + texture - 1u;
+    if of_ray_u(hits.slot, ray) < PLANES { return plane_color(rays, hits, ray, head_at); }
+    return texture_color(head_at, lookup_at(rays, hits, surface, ray));
+}
+
+//! if light is paths and principled is some and textures is none
+fn mapped_normal(rays: Rays, hits: Hits, surface: Surface, of_map: Principled, to_viewer: vec3f, ray: u32) -> vec3f {
+    return surface.shading_normal;
+}
+
+//! if light is paths and principled is some and textures is some
+// Returns a normal from a texture in tangent space. Tangents are those of the triangle's texture coordinates.
+fn mapped_normal(rays: Rays, hits: Hits, surface: Surface, of_map: Principled, to_viewer: vec3f, ray: u32) -> vec3f {
+    let slot = of_ray_u(hits.slot, ray);
+    if surface.reach == 0.0 { return surface.shading_normal; }
+    let corners = triangle_corners(slot);
+    let uv = triangle_uv(slot);
+    let e = largest_one(corners[1] - corners[0]);
+    let f = (corners[2] - corners[0]) * (length(e) / max(length(corners[1] - corners[0]), 1e-30));
+    let a = uv[1] - uv[0];
+    let b = uv[2] - uv[0];
+    let turned = a.x * b.y - b.x * a.y;
+    let side = select(-1.0, 1.0, surface.from_outside);
+    let normal = surface.shading_normal * side;
+    var tangent = (e * b.y - f * a.y) * sign(turned);
+    tangent -= normal * dot(normal, tangent);
+    let squared = dot(tangent, tangent);
+    if !(squared > 0.0) { return surface.shading_normal; }
+    tangent *= inverseSqrt(squared);
+    let up = cross(normal, tangent) * sign(dot(cross(normal, tangent), (f * a.x - e * b.x) * sign(turned)));
+    let texel = map_color(rays, hits, surface, of_map.normal_texture, ray) * 2.0 - 1.0;
+    let slope = texel.xy * of_map.normal_scale;
+    var mapped = normalize(tangent * slope.x + up * slope.y + normal * max(texel.z, 1e-3)) * side;
+    // A normal that faces away from the viewer is turned just towards it.
+    let facing = dot(mapped, to_viewer);
+    if facing < 1e-2 { mapped = normalize(mapped + to_viewer * (1e-2 - facing)); }
+    return mapped;
+}
