@@ -29,8 +29,11 @@ fn look_at(rays: Rays, hits: Hits, surface: Surface, material: Material, factor:
     if !principled.is_there { return plain_look(rays, surface, material, factor, ray); }
     let to_viewer = -normalize(of_ray3(rays.direction, ray));
     let base = principled.base * factor;
-    let shape = map_color(rays, hits, surface, principled.texture, ray);
+    var shape = map_color(rays, hits, surface, principled.roughness_texture, ray);
     let roughness = principled.roughness * shape.y;
+    if principled.metallic_texture != principled.roughness_texture {
+        shape = map_color(rays, hits, surface, principled.metallic_texture, ray);
+    }
     let metallic = principled.metallic * shape.z;
     var look = Look(surface.shading_normal, principled.emission, vec3f(1.0), Lobes());
     if principled.normal_texture != 0u {

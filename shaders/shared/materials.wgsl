@@ -69,7 +69,8 @@ struct Principled {
     metallic: f32,                // seventh texel
     roughness: f32,
     index: f32,
-    texture: u32,                 // of roughness (green) and metallic (blue)
+    roughness_texture: u32,       // its green
+    metallic_texture: u32,        // its blue; above the flags of the fifth texel
     dielectric: vec3f,            // eighth texel: reflectance of a dielectric at normal incidence
     normal_texture: u32,
     absorption: vec3f,            // ninth texel
@@ -95,7 +96,8 @@ fn principled_at(material: u32) -> Principled {
     found.metallic = bitcast<f32>(shape.x);
     found.roughness = bitcast<f32>(shape.y);
     found.index = bitcast<f32>(shape.z);
-    found.texture = shape.w;
+    found.roughness_texture = shape.w;
+    found.metallic_texture = base.w >> 8u;
     found.dielectric = bitcast<vec3f>(dielectric.xyz);
     found.normal_texture = dielectric.w;
     found.absorption = bitcast<vec3f>(absorption.xyz);

@@ -256,9 +256,9 @@ fn principled_of(surface: Option<&Principled>) -> [Texel; 6] {
     let number = |texture: Option<TextureId>| texture.map_or(0, |texture| texture.0 + 1);
     let shape = Vec3::new(surface.metallic, surface.roughness, surface.index);
     [
-        texel(surface.base, 1 | u32::from(surface.thin) << 1),
+        texel(surface.base, 1 | u32::from(surface.thin) << 1 | number(surface.metallic_texture) << 8),
         texel(surface.emission, number(surface.emission_texture)),
-        texel(shape, number(surface.metallic_roughness_texture)),
+        texel(shape, number(surface.roughness_texture)),
         texel(surface.normal_reflectance() * surface.specular, number(surface.normal_texture)),
         texel(surface.absorption, surface.normal_scale.to_bits()),
         texel(surface.specular, surface.transmission.to_bits()),

@@ -33,8 +33,10 @@ pub struct Principled {
     pub metallic: f32,
     /// Square root of GGX's alpha, 0 to 1; 0 is smooth.
     pub roughness: f32,
-    /// Texture whose green multiplies the roughness and whose blue multiplies `metallic`.
-    pub metallic_roughness_texture: Option<TextureId>,
+    /// Texture whose green multiplies the roughness.
+    pub roughness_texture: Option<TextureId>,
+    /// Texture whose blue multiplies `metallic`.
+    pub metallic_texture: Option<TextureId>,
     /// Index of refraction of a dielectric, 0.1 to 10; 1.5 by default.
     pub index: f32,
     /// Factor of a dielectric's reflectance at normal incidence, linear RGB, 0 to 1; white by default.
@@ -62,7 +64,8 @@ impl Principled {
             base,
             metallic,
             roughness,
-            metallic_roughness_texture: None,
+            roughness_texture: None,
+            metallic_texture: None,
             index: 1.5,
             specular: Vec3::ONE,
             transmission: 0.0,
@@ -102,7 +105,8 @@ impl Principled {
     /// Returns the textures besides [`Material::texture`], with their names in messages.
     pub(crate) fn textures(&self) -> impl Iterator<Item = (&'static str, TextureId)> {
         let all = [
-            ("metallic_roughness_texture", self.metallic_roughness_texture),
+            ("roughness_texture", self.roughness_texture),
+            ("metallic_texture", self.metallic_texture),
             ("normal_texture", self.normal_texture),
             ("emission_texture", self.emission_texture),
         ];

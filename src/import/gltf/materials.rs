@@ -175,7 +175,10 @@ impl<'a> Surfaces<'a> {
             let means = self.textures.means_of(&picture).values;
             (seen.roughness, seen.metallic) = (seen.roughness * means.y, seen.metallic * means.z);
             match UvRule::of(info) == uv {
-                true => surface.metallic_roughness_texture = Some(self.textures.data_id(&picture)),
+                true => {
+                    let texture = Some(self.textures.data_id(&picture));
+                    (surface.roughness_texture, surface.metallic_texture) = (texture, texture);
+                }
                 false => (surface.roughness, surface.metallic) = (seen.roughness, seen.metallic),
             }
         }

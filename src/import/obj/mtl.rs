@@ -15,12 +15,11 @@ use std::{
 
 pub(super) use self::maps::Placement;
 use self::{
-    draft::{Draft, read_statement},
+    draft::{Draft, Found, read_statement},
     files::Textures,
-    maps::Map,
 };
 use super::{Prepared, SceneOptions, lines, read_text, split_keyword};
-use crate::{Error, Material, Texture, TextureId, import::input::Files, import::warnings::Warnings, message::counted};
+use crate::{Error, Material, Texture, import::input::Files, import::warnings::Warnings, message::counted};
 
 /// The materials of all MTL files of an OBJ.
 #[derive(Default)]
@@ -100,12 +99,12 @@ impl Library {
         }
         let mut out_of_range = 0;
         for draft in drafts {
-            let mut find = |map: &Option<Map>| match map {
-                Some(map) if used.contains(&*draft.name) => textures.find(file, map, &draft.name, &mut warnings),
-                _ => Ok(None),
-            };
-            let (texture, cutout) = (find(&draft.texture)?, find(&draft.cutout)?);
-            out_of_range += self.finish(draft, texture, cutout, &mut warnings);
+            let mut found = Found::new();
+            for map in draft.maps.iter().filter(|_| used.contains(&*draft.name)) {
+                let id = textures.find(file, map, &draft.name, &mut warnings)?;
+                found.extend(id.map(|id| (map.purpose, id)));
+            }
+            out_of_range += self.finish(draft, &found, &mut warnings);
         }
         if out_of_range > 0 {
             let materials = counted(out_of_range, "material", "materials");
@@ -115,15 +114,9 @@ impl Library {
     }
 
     /// Adds a material; a later one replaces an earlier one of the same name. Returns 1 if it has values out of range.
-    fn finish(
-        &mut self,
-        draft: Draft,
-        texture: Option<TextureId>,
-        cutout: Option<TextureId>,
-        warnings: &mut Warnings,
-    ) -> usize {
+    fn finish(&mut self, draft: Draft, found: &Found, warnings: &mut Warnings) -> usize {
         let placement = draft.placement(warnings);
-        let (material, out_of_range) = draft.finish(texture, cutout, warnings);
+        let (material, out_of_range) = draft.finish(found, warnings);
         match self.index_of.get(&material.name) {
             Some(&index) => (self.materials[index], self.placements[index]) = (material, placement),
             None => {

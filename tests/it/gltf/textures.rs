@@ -250,7 +250,11 @@ fn direct_light_shows_the_means_of_metal_roughness_and_emission_and_paths_their_
     let surface = found.principled.unwrap();
     assert_eq!((surface.base, surface.metallic, surface.roughness, surface.emission), (Vec3::ONE, 1.0, 1.0, Vec3::ONE));
     let is_data = |texture: Option<TextureId>| scene.textures()[texture.unwrap().0 as usize].data;
-    assert!(is_data(surface.metallic_roughness_texture) && !is_data(surface.emission_texture));
+    assert!(
+        surface.roughness_texture == surface.metallic_texture
+            && is_data(surface.metallic_texture)
+            && !is_data(surface.emission_texture)
+    );
     assert_eq!(scene.textures().len(), 3);
 }
 

@@ -46,7 +46,8 @@ fn what_is_left_out_is_said_once_a_file() {
     let mut warnings = folder.warnings();
     warnings.sort();
     let expected = [
-        "m.mtl: ignored: 2 ambient colours (Ka) from line 3 on; 2 textures other than map_Kd and map_d from line 9 on; \
+        "m.mtl: ignored: 2 ambient colours (Ka) from line 3 on; 2 other textures \
+         (heights, displacement, reflections and similar) from line 9 on; \
          2 unknown statements from line 12 on",
         "scene.obj: dropped triangles without area: 1 of 2",
         "scene.obj: ignored: faces of fewer than three corners (f) on line 13; 2 lines (l) from line 10 on; points (p) \

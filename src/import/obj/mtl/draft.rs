@@ -6,10 +6,10 @@ use glam::Vec3;
 
 use super::{
     super::{GREY, without_comment},
-    maps::{Map, Placement, parse_map},
+    maps::{Map, Placement, Use, parse_map},
 };
 use crate::{
-    Finish, Material,
+    Finish, Material, Principled,
     import::warnings::Warnings,
     scene::{
         TextureId,
@@ -36,8 +36,17 @@ pub(super) struct Draft {
     dissolve: Option<f32>,
     transparency: Option<f32>,
     illumination: Option<u32>,
-    pub(super) texture: Option<Map>,
-    pub(super) cutout: Option<Map>,
+    roughness: Option<f32>,
+    metallic: Option<f32>,
+    /// Textures, one per use.
+    pub(super) maps: Vec<Map>,
+}
+
+/// The textures of a material that were read.
+pub(super) type Found = Vec<(Use, TextureId)>;
+
+fn texture_for(found: &Found, purpose: Use) -> Option<TextureId> {
+    found.iter().find(|(of, _)| *of == purpose).map(|(_, id)| *id)
 }
 
 impl Draft {
@@ -46,12 +55,8 @@ impl Draft {
     }
 
     /// Returns the material, and whether a value was clamped to its range.
-    pub(super) fn finish(
-        self,
-        texture: Option<TextureId>,
-        cutout: Option<TextureId>,
-        warnings: &mut Warnings,
-    ) -> (Material, bool) {
+    pub(super) fn finish(self, found: &Found, warnings: &mut Warnings) -> (Material, bool) {
+        let [texture, cutout] = [Use::Color, Use::CutOut].map(|purpose| texture_for(found, purpose));
         let mut bounds = Bounds { crossed: false };
         let finish = self.finish_of(&mut bounds);
         let mut material = Material::new(self.albedo(finish, texture, warnings)).name(self.name.clone()).finish(finish);
@@ -85,23 +90,52 @@ impl Draft {
                 ),
             );
         }
+        material.principled = self.principled(&material, found, &mut bounds);
         bounds.crossed |= material.conserve();
         (material, bounds.crossed)
     }
 
-    /// Returns the placement of the material's textures. Texture coordinates are transformed when they are read, so all
-    /// textures share one.
-    pub(super) fn placement(&self, warnings: &mut Warnings) -> Placement {
-        if let [Some(texture), Some(cutout)] = [&self.texture, &self.cutout]
-            && texture.placement != cutout.placement
-        {
-            let text = format!(
-                "material '{}' has different -s or -o for map_d and map_Kd; those of map_Kd are used",
-                self.name
-            );
-            warnings.warn("textures with different scales or offsets", cutout.line, text);
+    /// Returns the physically based surface, if a statement of MTL's extension (Pr, Pm, norm and similar) asks for one.
+    fn principled(&self, material: &Material, found: &Found, bounds: &mut Bounds) -> Option<Principled> {
+        let of = |purpose| texture_for(found, purpose);
+        let [roughness, metallic] = [Use::Roughness, Use::Metallic].map(of);
+        let is_asked = self.roughness.is_some() || self.metallic.is_some() || roughness.is_some() || metallic.is_some();
+        if !is_asked && of(Use::Emission).is_none() && of(Use::Normal).is_none() {
+            return None;
         }
-        [&self.texture, &self.cutout].into_iter().flatten().next().map(|map| map.placement).unwrap_or_default()
+        let shares = 0.0..=1.0;
+        let mut share =
+            |value: Option<f32>, otherwise: f32| value.map_or(otherwise, |value| bounds.number(value, shares.clone()));
+        // The width of Phong's highlight (Walter et al. 2007, section 5.2).
+        let by_exponent = (2.0 / (material.exponent + 2.0)).powf(0.25);
+        let rough = share(self.roughness, if roughness.is_some() { 1.0 } else { by_exponent });
+        let metal = share(self.metallic, if metallic.is_some() { 1.0 } else { 0.0 });
+        let mut surface = Principled::new(material.albedo, metal, rough);
+        if let Finish::Glass { index, transmission, .. } = material.finish {
+            surface = Principled { base: transmission, ..surface }.transmission(1.0).index(index);
+        }
+        surface.emission = match (self.emission, of(Use::Emission)) {
+            (None, Some(_)) => Vec3::ONE,
+            _ => material.emission,
+        };
+        (surface.roughness_texture, surface.metallic_texture) = (roughness, metallic);
+        (surface.emission_texture, surface.normal_texture) = (of(Use::Emission), of(Use::Normal));
+        Some(surface)
+    }
+
+    /// Returns the placement of the material's textures. Texture coordinates are transformed when they are read, so all
+    /// textures share that of the first one.
+    pub(super) fn placement(&self, warnings: &mut Warnings) -> Placement {
+        let order = |map: &&Map| Use::ALL.iter().position(|(_, purpose)| *purpose == map.purpose);
+        let Some(first) = self.maps.iter().min_by_key(order) else { return Placement::default() };
+        if let Some(other) = self.maps.iter().find(|map| map.placement != first.placement) {
+            let text = format!(
+                "material '{}' has different -s or -o for {} and {}; those of {} are used",
+                self.name, other.keyword, first.keyword, first.keyword
+            );
+            warnings.warn("textures with different scales or offsets", other.line, text);
+        }
+        first.placement
     }
 
     /// Returns the diffuse colour. The default is grey, white with a texture, and black for mirrors and glass.
@@ -178,8 +212,8 @@ pub(super) fn read_statement(
     warnings: &mut Warnings,
 ) {
     let numbers = without_comment(rest).trim();
-    let is_value =
-        matches!(keyword, "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Tr" | "illum" | "map_Kd" | "map_d");
+    let is_value = Use::named(keyword).is_some()
+        || matches!(keyword, "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Tr" | "illum" | "Pr" | "Pm");
     match draft {
         _ if !is_value => note_left_out(keyword, numbers, line, warnings),
         Some(draft) => draft.take(keyword, rest, numbers, line, warnings),
@@ -213,14 +247,19 @@ impl Draft {
             // A halo, which makes edges more transparent, is ignored without a warning.
             "d" => number(&mut self.dissolve, numbers.strip_prefix("-halo").unwrap_or(numbers).trim()),
             "Tr" => number(&mut self.transparency, numbers),
+            "Pr" => number(&mut self.roughness, numbers),
+            "Pm" => number(&mut self.metallic, numbers),
             "illum" => {
                 self.illumination = numbers.parse().ok().filter(|model| *model <= 10);
                 self.illumination.map(drop).ok_or("not an illumination model from 0 to 10")
             }
             _ => {
-                let place = if keyword == "map_Kd" { &mut self.texture } else { &mut self.cutout };
-                *place = parse_map(keyword, rest, line, warnings);
-                place.as_ref().map(drop).ok_or("not a file name")
+                let named = Use::named(keyword).expect("the other values are above");
+                let map = parse_map(named, rest, line, warnings);
+                self.maps.retain(|other| other.purpose != named.1);
+                let taken = map.as_ref().map(drop).ok_or("not a file name");
+                self.maps.extend(map);
+                taken
             }
         };
         if let Err(fault) = taken {
@@ -240,10 +279,10 @@ impl Draft {
 fn note_left_out(keyword: &str, numbers: &str, line: usize, warnings: &mut Warnings) {
     match keyword {
         "Ka" if parse_color(numbers) != Some(Vec3::ZERO) => warnings.left_out("ambient colours (Ka)", line),
-        "Pr" | "Pm" | "Ps" | "Pc" | "Pcr" | "aniso" | "anisor" => {
-            warnings.left_out("physically based parameters (Pr, Pm and similar)", line);
+        "Ps" | "Pc" | "Pcr" | "aniso" | "anisor" => {
+            warnings.left_out("sheen, clearcoat and anisotropy (Ps, Pc, Pcr, aniso, anisor)", line);
         }
-        "bump" | "disp" | "decal" | "refl" | "norm" => warnings.left_out(OTHER_MAPS, line),
+        "bump" | "disp" | "decal" | "refl" => warnings.left_out(OTHER_MAPS, line),
         _ if keyword.starts_with("map_") => warnings.left_out(OTHER_MAPS, line),
         // Sharpness has no effect here, since reflections are always sharp.
         "Ka" | "sharpness" | "" => {}
@@ -252,7 +291,7 @@ fn note_left_out(keyword: &str, numbers: &str, line: usize, warnings: &mut Warni
     }
 }
 
-const OTHER_MAPS: &str = "textures other than map_Kd and map_d";
+const OTHER_MAPS: &str = "other textures (heights, displacement, reflections and similar)";
 
 /// Parses three numbers, or one for all three (MTL's rule).
 pub(super) fn parse_color(words: &str) -> Option<Vec3> {

@@ -6,7 +6,7 @@ use std::{
     sync::Arc,
 };
 
-use super::maps::Map;
+use super::maps::{Map, Use};
 use crate::{
     Error, Limits, Texture, TextureId, TextureKind, Wrap,
     import::input::Files,
@@ -22,8 +22,9 @@ pub(super) struct Textures<'a> {
     /// Number of pixels that may still be decoded, also of pictures that turn out to be broken.
     decodable: u64,
     pub(super) textures: Vec<Texture>,
-    /// Texture ids by file, whether it is clamped, and whether its brightness is its alpha.
-    ids: HashMap<(PathBuf, bool, bool), TextureId>,
+    /// Texture ids by file, whether it is clamped, whether its brightness is its alpha, and whether its values are
+    /// data.
+    ids: HashMap<(PathBuf, bool, bool, bool), TextureId>,
     /// Cached results for each file. Thousands of materials may use one large picture, so nothing is computed twice.
     read: HashMap<PathBuf, Known>,
 }
@@ -56,12 +57,14 @@ impl<'a> Textures<'a> {
             Err(error) => error,
         };
         let (keyword, name, reason) = (map.keyword, &map.name, error.without_path());
+        // Pictures of heights are not used, so they may be missing.
+        let is_bump = map.purpose == Use::Normal && map.keyword != "norm";
         match self.missing {
-            MissingTextures::Error => {
+            MissingTextures::Error if !is_bump => {
                 let text = format!("{keyword} '{name}' of material '{material}': {reason}");
                 Err(Error::parse_from(mtl, Some(map.line), text, error))
             }
-            MissingTextures::Warn => {
+            MissingTextures::Error | MissingTextures::Warn => {
                 let text = format_args!(
                     "{keyword} '{name}' of material '{material}': {reason}; the material is rendered without it"
                 );
@@ -86,12 +89,17 @@ impl<'a> Textures<'a> {
                 texture?
             }
         };
-        let by_brightness = map.keyword == "map_d" && self.is_opaque(&key);
-        let ids = (key, map.clamp, by_brightness);
+        let by_brightness = map.purpose == Use::CutOut && self.is_opaque(&key);
+        // Some programs name normals in statements for heights.
+        if map.purpose == Use::Normal && map.keyword != "norm" && !looks_like_normals(&texture) {
+            return Err(Error::parse(file, None, "it has heights, not normals"));
+        }
+        let ids = (key, map.clamp, by_brightness, map.purpose.is_data());
         if let Some(&id) = self.ids.get(&ids) {
             return Ok(id);
         }
         let texture = if by_brightness { self.with_brightness(&ids.0, texture)? } else { texture };
+        let texture = texture.data(map.purpose.is_data());
         self.textures.push(if map.clamp { texture.wrap(Wrap::Clamp) } else { texture });
         let id = TextureId(self.textures.len() as u32 - 1);
         self.ids.insert(ids, id);
@@ -147,4 +155,15 @@ fn is_opaque_all_over(texture: &Texture) -> bool {
         TextureKind::Image { pixels, .. } => Arc::as_ref(pixels).iter().all(|pixel| pixel[3] == 255),
         TextureKind::Checkerboard { .. } => false,
     }
+}
+
+/// Returns whether a picture's mean is that of normals in tangent space: red and green near a half, and much blue.
+fn looks_like_normals(texture: &Texture) -> bool {
+    let TextureKind::Image { pixels, .. } = texture.kind() else { return false };
+    let mut sums = [0_u64; 3];
+    for pixel in pixels.iter() {
+        (0..3).for_each(|channel| sums[channel] += u64::from(pixel[channel]));
+    }
+    let [red, green, blue] = sums.map(|sum| sum as f64 / (255 * pixels.len()) as f64);
+    (red - 0.5).abs() < 0.1 && (green - 0.5).abs() < 0.1 && blue > 0.7
 }

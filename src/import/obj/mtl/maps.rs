@@ -4,9 +4,46 @@ use glam::{Vec2, Vec3};
 
 use crate::import::warnings::Warnings;
 
+/// What a texture is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Use {
+    Color,
+    CutOut,
+    Roughness,
+    Metallic,
+    Emission,
+    Normal,
+}
+
+impl Use {
+    /// The statements that name textures, and what these are for.
+    pub(super) const ALL: [(&str, Self); 8] = [
+        ("map_Kd", Self::Color),
+        ("map_d", Self::CutOut),
+        ("map_Pr", Self::Roughness),
+        ("map_Pm", Self::Metallic),
+        ("map_Ke", Self::Emission),
+        ("norm", Self::Normal),
+        ("map_Bump", Self::Normal),
+        ("map_bump", Self::Normal),
+    ];
+
+    /// Returns the statement of this keyword and its use.
+    pub(super) fn named(keyword: &str) -> Option<(&'static str, Self)> {
+        Self::ALL.into_iter().find(|(name, _)| *name == keyword)
+    }
+
+    /// Returns whether the picture's values are data rather than colours.
+    #[cfg_attr(not(feature = "textures"), allow(dead_code, reason = "textures are not read"))]
+    pub(super) fn is_data(self) -> bool {
+        matches!(self, Self::Roughness | Self::Metallic | Self::Normal)
+    }
+}
+
 /// A statement that names a texture.
 pub(super) struct Map {
     pub(super) keyword: &'static str,
+    pub(super) purpose: Use,
     pub(super) line: usize,
     /// Name of the file, as written.
     pub(super) name: String,
@@ -36,8 +73,12 @@ impl Placement {
 }
 
 /// Parses a statement's options and the file name behind them, which may have spaces; `None` without a name.
-pub(super) fn parse_map(keyword: &str, words: &str, line: usize, warnings: &mut Warnings) -> Option<Map> {
-    let keyword = if keyword == "map_Kd" { "map_Kd" } else { "map_d" };
+pub(super) fn parse_map(
+    (keyword, purpose): (&'static str, Use),
+    words: &str,
+    line: usize,
+    warnings: &mut Warnings,
+) -> Option<Map> {
     let (mut clamp, mut placement) = (false, Placement::default());
     let mut rest = words.trim();
     loop {
@@ -66,7 +107,7 @@ pub(super) fn parse_map(keyword: &str, words: &str, line: usize, warnings: &mut 
             warnings.left_out("options of textures (-t, -mm, -cc, -imfchan)", line);
         }
     }
-    (!rest.is_empty()).then(|| Map { keyword, line, name: rest.into(), clamp, placement })
+    (!rest.is_empty()).then(|| Map { keyword, purpose, line, name: rest.into(), clamp, placement })
 }
 
 fn split_word(words: &str) -> (&str, &str) {
