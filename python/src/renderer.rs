@@ -261,7 +261,7 @@ impl Renderer {
     /// - ``adaptive``: adaptive antialiasing: a tuple of levels, 2 to 5, and a tolerance in 8-bit values, 0 to 255,
     ///   such as ``(4, 8.0)``. Only with one sample, the box filter, and the methods ``auto``, ``naive``, ``ideal`` and
     ///   the bracket methods. Default ``None``.
-    /// - ``light``: light that reaches surfaces by other surfaces: ``"direct"``, none but in mirrors and glass; or
+    /// - ``lighting``: light that reaches surfaces by other surfaces: ``"direct"``, none but in mirrors and glass; or
     ///   ``"paths"``, ``"paths=SAMPLES"`` or ``"paths=SAMPLES:BOUNCES"``, global illumination by path tracing with 1 to
     ///   4096 paths per pixel (default 64) and 0 to 32 bounces (default 8). Default ``"direct"``.
     /// - ``bounces``: maximum number of reflections and refractions along a ray, 0 to 8. Default 5.

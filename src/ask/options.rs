@@ -56,7 +56,7 @@ pub struct Options {
     /// noise would be visible.
     pub noise_by_view: bool,
     /// Light that reaches surfaces by other surfaces.
-    pub light: Lighting,
+    pub lighting: Lighting,
     /// Answer shadow queries to point lights by shadow-buffers; with `None`, the default, shadow rays are traced.
     pub shadow_buffer: Option<ShadowBuffer>,
 }
@@ -66,7 +66,7 @@ pub struct Options {
 /// ```
 /// use stereotrace::{Lighting, Options};
 ///
-/// let options = Options::default().light(Lighting::paths(64));
+/// let options = Options::default().lighting(Lighting::paths(64));
 /// # let _ = options;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -247,7 +247,7 @@ impl Options {
             exposure: 0.0,
             tone: Tone::Clamp,
             noise_by_view: false,
-            light: Lighting::Direct,
+            lighting: Lighting::Direct,
             shadow_buffer: None,
         }
     }
@@ -396,8 +396,8 @@ impl Options {
     }
 
     /// Sets the light that reaches surfaces by other surfaces.
-    pub fn light(mut self, light: Lighting) -> Self {
-        self.light = light;
+    pub fn lighting(mut self, lighting: Lighting) -> Self {
+        self.lighting = lighting;
         self
     }
 
@@ -435,14 +435,14 @@ impl Options {
             within("ambient_occlusion", rays, 1..=MAX_SOFT_RAYS)?;
             above_zero("ambient_occlusion radius", radius)?;
         }
-        if let Lighting::Paths { bounces, samples } = self.light {
-            within("light bounces", bounces, 0..=MAX_PATH_BOUNCES)?;
-            within("light samples", samples, 1..=MAX_PATHS)?;
+        if let Lighting::Paths { bounces, samples } = self.lighting {
+            within("lighting bounces", bounces, 0..=MAX_PATH_BOUNCES)?;
+            within("lighting samples", samples, 1..=MAX_PATHS)?;
             for (option, is_set) in
                 [("ambient_occlusion", self.ambient_occlusion.is_some()), ("sky_rays", self.sky_rays.is_some())]
             {
                 if is_set {
-                    let reason = "paths of light (light) bring this light; leave it off".into();
+                    let reason = "paths of light (lighting) bring this light; leave it off".into();
                     return Err(Error::Options { option, reason });
                 }
             }

@@ -78,13 +78,13 @@ impl Setting {
             get: |options| options.jitter.to_string(),
         },
         Self {
-            name: "light",
+            name: "lighting",
             form: "direct|paths[=SAMPLES[:BOUNCES]]",
             about: "Light that reaches surfaces by other surfaces: direct (none but in mirrors and glass), or paths \
                     (global illumination by path tracing). SAMPLES paths per pixel, 1 to 4096, by default 64; at most \
                     BOUNCES scattering surfaces after the first, 0 to 32, by default 8",
-            set: |options, text| put(&mut options.light, lighting(text)),
-            get: |options| match options.light {
+            set: |options, text| put(&mut options.lighting, lighting(text)),
+            get: |options| match options.lighting {
                 Lighting::Direct => "direct".into(),
                 Lighting::Paths { bounces, samples } => format!("paths={samples}:{bounces}"),
             },
@@ -342,7 +342,7 @@ mod tests {
         ("adaptive", "off", "8.5:3"),
         ("filter", "box", "gauss"),
         ("jitter", "true", "false"),
-        ("light", "direct", "paths=16:3"),
+        ("lighting", "direct", "paths=16:3"),
         ("bounces", "5", "0"),
         ("exposure", "0", "-1.5"),
         ("tone", "clamp", "filmic"),

@@ -105,7 +105,7 @@ impl Renderer {
     ) -> Result<Done, Error> {
         scene.belongs_to(&self.gpu)?;
         options.check()?;
-        if options.sky_rays.is_some() || options.light != Lighting::Direct {
+        if options.sky_rays.is_some() || options.lighting != Lighting::Direct {
             scene.weigh_sky().await?;
         }
         let tables = scene.shadow_tables(&self.kernels, options).await?;
@@ -223,7 +223,7 @@ impl Renderer {
         let chosen = early.map_or(method, |choice| choice.method);
         let views = methods::Views {
             sources: &eyes.sources,
-            mirrors: scene.variant.mirrors && options.light == Lighting::Direct,
+            mirrors: scene.variant.mirrors && options.lighting == Lighting::Direct,
             paths: Paths::of(options, scene.soft.parts(options).len())
                 .filter(|_| scene.variant.has_tree() || scene.variant.planes > 0),
             soft,
@@ -292,7 +292,7 @@ impl Renderer {
         Variant {
             traversal: counting.traversal.rays(rays),
             projection: eyes.projection,
-            linear: options.linear || options.light != Lighting::Direct,
+            linear: options.linear || options.lighting != Lighting::Direct,
             jitter: Jitter::of(options).side(),
             close: scene.close_to(&eyes.positions()),
             bits,
@@ -301,7 +301,7 @@ impl Renderer {
             shadow_rays,
             occlusion_rays,
             sky_light: options.sky_rays.is_some(),
-            paths: options.light != Lighting::Direct,
+            paths: options.lighting != Lighting::Direct,
             shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
             casts: counting.casts || !soft,
             shadow_buffer: scene.casters().reading(options),

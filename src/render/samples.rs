@@ -72,7 +72,7 @@ impl Renderer {
             Ok(())
         };
         // Linear colour is not needed here, but it makes this frame use the same kernels as the other frames.
-        let options = Options { linear: true, samples: 1, light: Lighting::Direct, ..options.clone() };
+        let options = Options { linear: true, samples: 1, lighting: Lighting::Direct, ..options.clone() };
         let done = self.frame(scene, eyes, &options, Wanted::all(pictures), progress, &mut keep).await?;
         Ok((done, centres))
     }

@@ -58,7 +58,7 @@ fn bands_change_nothing_but_the_number_of_dispatches() {
     let shipped = [Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS];
     let all = Method::ALL.iter().copied().chain(["buffer-edges".parse().unwrap(), "buffer-3".parse().unwrap()]);
     let counted = all.map(|method| Options::new(method).count(true).cost_map(true).linear(true));
-    let paths = Options::new(Method::BRACKET).light(Lighting::Paths { bounces: 2, samples: 2 }).linear(true);
+    let paths = Options::new(Method::BRACKET).lighting(Lighting::Paths { bounces: 2, samples: 2 }).linear(true);
     for options in counted.chain(shipped.map(Options::new)).chain([paths]) {
         let method = options.method;
         let [whole, banded] = [USUAL, 130 * 64].map(|band_pixels| {

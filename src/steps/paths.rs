@@ -29,7 +29,7 @@ pub(crate) struct Paths {
 impl Paths {
     /// Returns the paths of a frame, after this number of other parts.
     pub(crate) fn of(options: &Options, first_part: usize) -> Option<Self> {
-        match options.light {
+        match options.lighting {
             Lighting::Direct => None,
             Lighting::Paths { bounces, samples } => {
                 Some(Self { each: samples.div_ceil(options.samples), rays: bounces + 1, first_part })

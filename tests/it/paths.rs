@@ -12,7 +12,7 @@ const SIDE: u32 = 16;
 
 /// Returns options for a picture by paths.
 fn by_paths(samples: u32, bounces: u32) -> Options {
-    Options::new(Method::Naive).linear(true).light(Lighting::Paths { bounces, samples })
+    Options::new(Method::Naive).linear(true).lighting(Lighting::Paths { bounces, samples })
 }
 
 fn rendered(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, options: &Options) -> StereoPair {

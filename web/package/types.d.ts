@@ -75,7 +75,7 @@ export interface RenderOptions {
     /** Soft light that the second eye reuses: of points that are fully lit or shadowed, or of penumbrae too. */
     penumbra?: "exact" | "shared";
     /** Light by other surfaces: none but in mirrors and glass, or global illumination by paths per pixel and bounces. */
-    light?: "direct" | "paths" | `paths=${number}` | `paths=${number}:${number}`;
+    lighting?: "direct" | "paths" | `paths=${number}` | `paths=${number}:${number}`;
     /** Whether each view has its own random numbers. Default false. */
     noiseByView?: boolean;
     /** How traced views find their closest hits. Default `"rays"`. */
