@@ -204,6 +204,9 @@ fn a_file_is_flattered_unless_it_is_to_be_plain() {
     assert!(primary(&asked) == 16 * 12 && asked.contains(", 2 lights\n") && !asked.contains("trace_soft"), "{asked}");
     let by_sky = said(&["--method", "naive", "--samples", "1", "--sky-rays", "4", "--plain"]);
     assert!(primary(&by_sky) == 16 * 12 && by_sky.contains("trace_soft"), "{by_sky}");
+    let by_paths = said(&["--method", "naive", "--lighting", "paths=4:1"]);
+    assert!(by_paths.contains("trace_paths"), "{by_paths}");
+    assert!(error_of(&[&command[..], &["--lighting", "paths=0"]].concat()).contains("0; it must be 1 to 4096"));
     assert!(error_of(&[&command[..], &["--sky-rays", "33"]].concat()).contains("33; it must be 1 to 32"));
     assert!(error_of(&[&command[..], &["--ambient-occlusion", "0"]].concat()).contains("it must be 1 to 32"));
 }

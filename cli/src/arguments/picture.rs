@@ -1,7 +1,7 @@
 //! Defines the options of rendering: the picture's size, and the options that the library names.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
-use stereotrace::{AmbientOcclusion, Error, Finish, Options, Scene, Setting};
+use stereotrace::{AmbientOcclusion, Error, Finish, Lighting, Options, Scene, Setting};
 
 use super::values::{OcclusionArgument, occlusion, size};
 use crate::studio;
@@ -121,7 +121,10 @@ impl PictureArguments {
         }
         // Ambient occlusion treats glass as opaque, so objects in a glass case would be black.
         let has_glass = scene.materials().iter().any(|material| matches!(material.finish, Finish::Glass { .. }));
-        if !lights_are_said && !has_glass && self.options.occlusion.is_none() && !self.gives("sky_rays") {
+        // Paths find occluders themselves.
+        let is_direct = settled.said().is_ok_and(|options| options.lighting == Lighting::Direct);
+        let asks = self.options.occlusion.is_some() || self.gives("sky_rays");
+        if !lights_are_said && !has_glass && !asks && is_direct {
             let rays = settled.said().map_or(Options::default().shadow_rays, |options| options.shadow_rays);
             settled.options.occlusion = Some(OcclusionArgument(rays, None));
         }
