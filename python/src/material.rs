@@ -42,7 +42,7 @@ const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 /// - ``exponent``: Phong's exponent, 0 to 10000; larger values make smaller highlights. Default 30.
 /// - ``normalised``: whether highlights conserve energy, so that ``specular`` is the reflected share of a light.
 ///   Default ``False``.
-/// - ``emission``: emitted radiance, 0 or more. It does not light other surfaces. Default black.
+/// - ``emission``: emitted radiance, 0 or more. It lights other surfaces only by paths. Default black.
 /// - ``finish``: ``"matte"``, ``"mirror"``, which reflects the surroundings, or ``"glass"``, which refracts rays.
 ///   Default ``"matte"``.
 /// - ``index``: refractive index of glass, relative to the surrounding medium, 0.1 to 10. Default 1.5.

@@ -114,6 +114,9 @@ fn passing(start: vec3f, to_light: vec3f, far: f32, is_first: bool) -> vec3f {
 const EMITTER_TEXELS: u32 = 4u;
 const EMITTING_SPHERE: u32 = 1u;
 
+// Returns 1 minus the cosine of the angle with this sine, without cancellation for small angles.
+fn cap_of(sine: f32) -> f32 { return sine * sine / (1.0 + sqrt(max(1.0 - sine * sine, 0.0))); }
+
 // The share of a ray in front of an emitting surface that must be free.
 const NEARLY: f32 = 0.9999;
 
@@ -137,16 +140,15 @@ fn sent_from_emitting(vertex: Vertex, pair: u32) -> Sent {
         let radius = along.x;
         let distance = length(way);
         if distance <= radius { return none; }
-        let sine = radius / distance;
-        let lowest = sqrt(max(1.0 - sine * sine, 0.0));
-        let cosine = 1.0 - at.x * (1.0 - lowest);
+        let cap = cap_of(radius / distance);
+        let cosine = 1.0 - at.x * cap;
         let sides = across(way / distance);
         let turn = TWO_PI * at.y;
-        let aside = sqrt(max(1.0 - cosine * cosine, 0.0));
+        let aside = sqrt(at.x * cap * (2.0 - at.x * cap));
         let direction = way * (cosine / distance) + (sides[0] * cos(turn) + sides[1] * sin(turn)) * aside;
         let nearest = distance * cosine - sqrt(max(radius * radius - distance * distance * aside * aside, 0.0));
         way = direction * nearest;
-        density = brightness(emission) * 2.0 * radius * radius / (1.0 - lowest);
+        density = brightness(emission) * 2.0 * radius * radius / cap;
     } else {
         let root = sqrt(at.x);
         way += along * (1.0 - root) + up * (at.y * root);
@@ -160,6 +162,7 @@ fn sent_from_emitting(vertex: Vertex, pair: u32) -> Sent {
     let there = reflectance_of(vertex, to_light);
     if there.diffuse <= 0.0 { return none; }
     density /= bitcast<f32>(head.w);
+    if !(density > 0.0) { return none; }
     light_rays += 1u;
     if any_slot(Rays(start, all3(to_light)), 0.0, far * NEARLY) != MISS { return none; }
     let color = emission * vertex.lobes.opacity;
@@ -180,7 +183,7 @@ fn emission_of_path(vertex: Vertex, density: f32, t: f32) -> vec3f {
         let sine = vertex.radius / distance(vertex.point + vertex.to_viewer * t, center);
         // The inside of a sphere is found by chance alone.
         if sine >= 1.0 { return emission; }
-        other = 2.0 * vertex.radius * vertex.radius / max(1.0 - sqrt(1.0 - sine * sine), 1e-12);
+        other = 2.0 * vertex.radius * vertex.radius / max(cap_of(sine), 1e-30);
     }
     other *= brightness(emission) / max(power, 1e-30);
     return emission * (density / (density + other));

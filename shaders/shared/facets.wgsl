@@ -55,8 +55,9 @@ fn lobes_of(material: Material, albedo: vec3f, cosine: f32) -> Lobes {
         return lobes;
     }
     if all(material.specular == vec3f(0.0)) { return lobes; }
-    let alpha = alpha_of_exponent(material.exponent);
-    return with_highlights(lobes, material.specular, material.specular, 0.0, alpha, facing);
+    // Highlights that do not conserve energy may have more.
+    let specular = min(material.specular, vec3f(1.0));
+    return with_highlights(lobes, specular, specular, 0.0, alpha_of_exponent(material.exponent), facing);
 }
 
 // Reflectance at normal incidence and what it gains towards grazing angles, by Schlick's approximation. The factor is

@@ -12,7 +12,7 @@ struct Path {
     is_diffuse: u32,     // 1 if its first vertex reflected it diffusely
     // The pixels of the paths that are followed, in two lists that take turns: entry k of list n is entries[n & 1] of
     // path k.
-    entries: vec2u,
+    entries: array<u32, 2>,
     _pad: vec2u,
 }
 

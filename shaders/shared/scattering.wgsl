@@ -81,7 +81,7 @@ fn reflectance_of(vertex: Vertex, to_light: vec3f) -> Reflected {
     let chance = glossy_chance(lobes);
     result.diffuse = cosine * INVERSE_PI;
     result.diffuse_density = (1.0 - chance) * lobes.opacity * result.diffuse;
-    if lobes.alpha > LEAST_ALPHA {
+    if lobes.alpha > LEAST_ALPHA && !lobes.is_glass {
         let facing = max(dot(vertex.normal, vertex.to_viewer), 1e-4);
         let half_way = normalize(to_light + vertex.to_viewer);
         let facets = facet_density(lobes.alpha, clamp(dot(half_way, vertex.normal), 0.0, 1.0));
@@ -114,7 +114,7 @@ fn scattered(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
     }
     let chosen = choice / lobes.opacity;
     let chance = glossy_chance(lobes);
-    if chosen >= chance {
+    if chosen >= chance && chance < 1.0 {
         let sides = across(vertex.normal);
         let turn = TWO_PI * at.y;
         let aside = (sides[0] * cos(turn) + sides[1] * sin(turn)) * sqrt(at.x);

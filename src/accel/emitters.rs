@@ -12,10 +12,16 @@ pub(crate) const TEXELS: usize = 4;
 const SPHERE: u32 = 1;
 
 impl Material {
-    /// Returns whether paths choose primitives of this material as light sources. They find others by chance. A place
-    /// on a cut-out primitive may be a hole.
+    /// Returns whether paths choose primitives of this material as light sources. They find others by chance: places on
+    /// cut-out primitives may be holes, and emission may be a texture's.
     pub(crate) fn is_chosen(&self) -> bool {
-        self.emission != Vec3::ZERO && self.cutout.is_none()
+        let is_textured = self.principled.is_some_and(|surface| surface.emission_texture.is_some());
+        self.emission_to_paths() != Vec3::ZERO && self.opacity > 0.0 && self.cutout.is_none() && !is_textured
+    }
+
+    /// Returns the emitted radiance that paths see, without a texture.
+    fn emission_to_paths(&self) -> Vec3 {
+        self.principled.map_or(self.emission, |surface| surface.emission)
     }
 }
 
@@ -42,13 +48,17 @@ impl Emitters {
         }
         let emission = |material: MaterialId| {
             let material = &scene.materials()[material.0 as usize];
-            material.is_chosen().then(|| material.emission * material.opacity)
+            material.is_chosen().then(|| material.emission_to_paths() * material.opacity)
         };
         let brightness = |emission: Vec3| emission.as_dvec3().dot(BRIGHTNESS);
         let mut shares: Vec<f64> = Vec::new();
         let mut sum = 0.0;
         let mut add = |emission: Vec3, area: f64, [place, along, up]: [Vec3; 3], kind: u32| {
-            sum += brightness(emission) * area;
+            let power = brightness(emission) * area;
+            if !(power > 0.0 && power.is_finite()) {
+                return;
+            }
+            sum += power;
             shares.push(sum);
             found.texels.extend([texel(place, 0), texel(along, kind), texel(up, 0), texel(emission, 0)]);
         };
@@ -56,9 +66,7 @@ impl Emitters {
             let Some(emission) = emission(triangle.material) else { continue };
             let [a, b, c] = triangle.corners;
             let area = 0.5 * (b - a).as_dvec3().cross((c - a).as_dvec3()).length();
-            if area > 0.0 {
-                add(emission, area, [a, b - a, c - a], 0);
-            }
+            add(emission, area, [a, b - a, c - a], 0);
         }
         for sphere in scene.spheres().iter().filter(|_| scene.ellipsoids().is_empty()) {
             let Some(emission) = emission(sphere.material) else { continue };

@@ -111,7 +111,8 @@ impl<'a> ShadingTable<'a> {
         (self.each > 1).then_some(head)
     }
 
-    fn before_paths(&self) -> usize {
+    /// Returns the number of texels before those that only paths read.
+    pub(crate) fn before_paths(&self) -> usize {
         self.before_textures() + self.textures().iter().map(|texture| 1 + body_texels(texture)).sum::<usize>()
     }
 
@@ -139,12 +140,17 @@ impl<'a> ShadingTable<'a> {
         let sky = sky_pixels(scene).iter().copied().map(plain);
         let heads = self.placed_textures().map(|(at, texture)| head_of(texture, at));
         let bodies = self.placed_textures().flat_map(|(at, texture)| body_of(texture, at));
-        let paths = self.for_paths().into_iter().flat_map(|head| {
+        let pictures = sky.chain(heads).chain(bodies);
+        head.into_iter().chain(lights).chain(materials).chain(pictures).chain(self.path_texels())
+    }
+
+    /// Returns the texels that only paths read. They are the last ones, from [`ShadingTable::before_paths`] on.
+    pub(crate) fn path_texels(&self) -> impl Iterator<Item = Texel> + use<> {
+        let texels = self.for_paths().map(|head| {
             let facets = facets::reflected_shares().iter().copied();
             [head].into_iter().chain(facets).chain(self.emitters.texels.iter().copied()).collect::<Vec<_>>()
         });
-        let pictures = sky.chain(heads).chain(bodies);
-        head.into_iter().chain(lights).chain(materials).chain(pictures).chain(paths.collect::<Vec<_>>())
+        texels.into_iter().flatten()
     }
 
     /// Returns the textures, each with the index of its first body texel.

@@ -303,7 +303,7 @@ impl Renderer {
             sky_light: options.sky_rays.is_some(),
             paths: options.lighting != Lighting::Direct,
             shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
-            casts: counting.casts || !soft,
+            casts: counting.casts || !(soft || options.lighting != Lighting::Direct),
             shadow_buffer: scene.casters().reading(options),
             ..counting
         }

@@ -71,7 +71,8 @@ impl Renderer {
             centres.add(rows.views);
             Ok(())
         };
-        // Linear colour is not needed here, but it makes this frame use the same kernels as the other frames.
+        // Linear colour is not needed here, but it makes this frame use the same kernels as the other frames do without
+        // paths. Depths and ids do not depend on light.
         let options = Options { linear: true, samples: 1, lighting: Lighting::Direct, ..options.clone() };
         let done = self.frame(scene, eyes, &options, Wanted::all(pictures), progress, &mut keep).await?;
         Ok((done, centres))

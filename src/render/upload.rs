@@ -373,7 +373,7 @@ impl Renderer {
     }
 
     /// Uploads the shading table. If the memory holds the same sky and textures at the same offset, only the texels
-    /// before them are written.
+    /// before and after them are written.
     async fn bring_table(
         &self,
         scene: &Scene,
@@ -387,8 +387,11 @@ impl Renderer {
         let staying = before.filter(is_there).filter(|_| room.is_some()).map(|before| &before.pictures);
         let written = if staying.is_some() { table.before_pictures() } else { count };
         let pictures = staying.cloned().unwrap_or_else(|| Pictures::of(scene));
-        let table = self.written("shading_table", room, count, table.texels().take(written), fetch).await?;
-        Ok((table, pictures))
+        let texels = self.written("shading_table", room, count, table.texels().take(written), fetch).await?;
+        if staying.is_some() {
+            self.gpu.fill_from(&texels, table.before_paths(), table.path_texels()).await?;
+        }
+        Ok((texels, pictures))
     }
 
     /// Writes texels to the existing memory `room` if they fit, otherwise to new memory.

@@ -68,7 +68,7 @@ pub struct Material {
     pub exponent: f32,
     /// Whether highlights conserve energy, see [`Material::normalised`]. MTL's highlights don't.
     pub normalised: bool,
-    /// Emitted radiance, linear RGB. It does not light other surfaces. MTL's `Ke`.
+    /// Emitted radiance, linear RGB. It lights other surfaces only by paths of light. MTL's `Ke`.
     pub emission: Vec3,
     /// Reflection and refraction. MTL's `illum`.
     pub finish: Finish,

@@ -5,7 +5,7 @@ use crate::common;
 use common::renderer;
 use stereotrace::{
     Finish, Light, Lighting, Material, Mesh, Method, Options, Principled, Renderer, Scene, Sky, SkyMap, Sphere,
-    StereoCamera, StereoPair, blocking::Wait, glam::Vec3,
+    StereoCamera, StereoPair, Update, blocking::Wait, glam::Vec3,
 };
 
 const SIDE: u32 = 16;
@@ -159,6 +159,12 @@ fn lamps_light_a_floor_as_their_shapes_say() {
     // A ball of radius r at height h has a form factor of r²/h² straight below.
     let pair = rendered(&mut renderer, &one(lamp(4.0)), &camera, &by_paths(64, 0));
     assert_is("ball", &pair, 0.5 * 4.0 * 0.25 / 4.0, 2e-3);
+    // The cosine of the angle of a small, distant ball is nearly 1.
+    let mut far_off = floor(grey(0.5));
+    let bulb = far_off.add_material(lamp(4e7));
+    far_off.add_sphere(Sphere::new(Vec3::new(0.0, 20.0, 0.0), 0.002, bulb)).unwrap();
+    let pair = rendered(&mut renderer, &far_off, &camera, &by_paths(16, 0));
+    assert_is("bulb", &pair, 0.5 * 4e7 * (0.002_f64 / 20.0).powi(2), 2e-3);
     // A square of half side a at height h: 4 times the form factor of its quarter (Howell, "A Catalog of Radiation Heat
     // Transfer Configuration Factors", B-3).
     let (a, h) = (0.4_f64, 1.5_f64);
@@ -273,6 +279,57 @@ fn a_sky_map_lights_a_floor_as_the_integral_says() {
     let camera = close_up(Vec3::new(3.0, 2.0, 0.0), Vec3::ZERO);
     let pair = rendered(&mut renderer, &scene, &camera, &by_paths(256, 0));
     assert_is("sky map", &pair, expected, 2e-3);
+}
+
+/// Rough glass sends on the same share of a white sky, whether the sky is one colour or a map.
+#[test]
+fn a_white_map_is_as_bright_as_a_white_sky() {
+    let mut renderer = renderer();
+    let clear = Principled::new(Vec3::ONE, 0.0, 0.5).transmission(1.0);
+    for (name, surface) in [
+        ("rough glass", clear),
+        ("thin rough glass", clear.thin(true)),
+        ("half clear", Principled::new(Vec3::ONE, 0.0, 0.5).transmission(0.5).thin(true)),
+        ("half metal", Principled::new(Vec3::ONE, 0.5, 0.3)),
+    ] {
+        let shares = [Sky::Constant(Vec3::ONE), Sky::Map(SkyMap::new(8, 4, vec![Vec3::ONE; 32]).unwrap())].map(|sky| {
+            let mut scene = Scene::new();
+            let material = scene.add_material(grey(0.0).principled(surface));
+            scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, material)).unwrap();
+            scene.sky = sky;
+            let camera = StereoCamera::look_at(Vec3::new(0.0, 0.0, 9.0), Vec3::ZERO).vertical_fov_degrees(8.0);
+            mean_of(&rendered(&mut renderer, &scene, &camera.size(SIDE, SIDE).interaxial(0.0), &by_paths(256, 16)))
+        });
+        println!("{name}: {shares:.4?}");
+        let [(a, error_a), (b, error_b)] = shares;
+        assert!((a - b).abs() < 4.0 * (error_a + error_b) + 1e-3 && a < 1.002 && a > 0.75, "{name}: {shares:?}");
+    }
+}
+
+/// A lamp that moves, is switched on, or is covered lights as after a new upload.
+#[test]
+fn lamps_follow_updates() {
+    let mut renderer = renderer();
+    let camera = close_up(Vec3::new(3.0, 2.0, 0.0), Vec3::ZERO);
+    let mut scene = floor(grey(0.5));
+    let bulb = scene.add_material(lamp(4.0));
+    scene.add_sphere(Sphere::new(Vec3::new(0.0, 2.0, 0.0), 0.5, bulb)).unwrap();
+    let mut uploaded = renderer.upload(&scene).wait().unwrap();
+    let mut shown = |scene: &Scene, what: &str| {
+        renderer.update(&mut uploaded, scene, Update::Refit).wait().unwrap();
+        let shown = renderer.pair(&uploaded, &camera).options(&by_paths(4, 0)).read().wait().unwrap();
+        let expected = rendered(&mut renderer, scene, &camera, &by_paths(4, 0));
+        assert!(shown.left.linear == expected.left.linear, "{what}");
+        mean_of(&shown).0
+    };
+    let near = shown(&scene, "at first");
+    scene.set_sphere(1, Sphere::new(Vec3::new(0.0, 4.0, 0.0), 0.5, bulb)).unwrap();
+    let far = shown(&scene, "moved");
+    assert!(far < 0.3 * near, "{far} of {near}");
+    scene.set_material(bulb, lamp(0.0)).unwrap();
+    assert_eq!(shown(&scene, "off"), 0.0);
+    scene.set_material(bulb, lamp(40.0).opacity(0.0)).unwrap();
+    assert_eq!(shown(&scene, "invisible"), 0.0);
 }
 
 /// Returns a room with a lamp, a window to the sky, a mirror, glass, a veil and a glossy ball.

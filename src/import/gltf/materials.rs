@@ -22,6 +22,11 @@ use crate::{
     scene::{checks::INDICES, principled::phong},
 };
 
+/// Maximum of the absorption per world unit; nothing passes.
+const MOST_ABSORPTION: f32 = 1e6;
+/// Maximum of a normal texture's scale.
+const MOST_NORMAL_SCALE: f32 = 1e3;
+
 /// The specification's map from texture coordinates to a picture.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct UvRule {
@@ -149,14 +154,15 @@ impl<'a> Surfaces<'a> {
         }
         if let Some(specular) = extensions.and_then(|extensions| extensions.specular.as_ref()) {
             let factor = share(specular.specular_factor.0);
-            surface.specular = Vec3::from_array(specular.specular_color_factor.0.map(|value| share(value * factor)));
+            surface.specular = Vec3::from_array(specular.specular_color_factor.0.map(|value| factor * share(value)));
         }
         if let Some(volume) = extensions.and_then(|extensions| extensions.volume.as_ref()) {
             surface.thin = volume.thickness_factor.0 <= 0.0;
             let (color, distance) =
                 (Vec3::from_array(volume.attenuation_color.0.map(&mut share)), volume.attenuation_distance.0);
             if distance > 0.0 {
-                surface.absorption = -color.max(Vec3::splat(1e-6)).map(f32::ln) / distance;
+                surface.absorption =
+                    (-color.max(Vec3::splat(1e-6)).map(f32::ln) / distance).min(Vec3::splat(MOST_ABSORPTION));
             }
         }
         self.out_of_range += usize::from(crossed);
@@ -198,7 +204,7 @@ impl<'a> Surfaces<'a> {
             && let Some(picture) = self.textures.picture(info.index, &format!("{name}, normalTexture"), warnings)?
         {
             surface.normal_texture = Some(self.textures.data_id(&picture));
-            surface.normal_scale = info.scale;
+            surface.normal_scale = info.scale.clamp(-MOST_NORMAL_SCALE, MOST_NORMAL_SCALE);
         }
         let alpha = self.alpha(description, a, (base.as_ref(), &name), warnings)?;
         let texture = base.as_ref().map(|picture| self.textures.id(picture));

@@ -106,13 +106,20 @@ impl Draft {
         let shares = 0.0..=1.0;
         let mut share =
             |value: Option<f32>, otherwise: f32| value.map_or(otherwise, |value| bounds.number(value, shares.clone()));
-        // The width of Phong's highlight (Walter et al. 2007, section 5.2).
-        let by_exponent = (2.0 / (material.exponent + 2.0)).powf(0.25);
+        // The width of Phong's highlight (Walter et al. 2007, section 5.2). Mirrors and glass are smooth.
+        let by_exponent = match material.finish {
+            Finish::Matte => (2.0 / (material.exponent + 2.0)).powf(0.25),
+            Finish::Mirror { .. } | Finish::Glass { .. } => 0.0,
+        };
         let rough = share(self.roughness, if roughness.is_some() { 1.0 } else { by_exponent });
         let metal = share(self.metallic, if metallic.is_some() { 1.0 } else { 0.0 });
         let mut surface = Principled::new(material.albedo, metal, rough);
-        if let Finish::Glass { index, transmission, .. } = material.finish {
-            surface = Principled { base: transmission, ..surface }.transmission(1.0).index(index);
+        match material.finish {
+            Finish::Matte => {}
+            Finish::Mirror { .. } => surface = Principled { base: material.specular, metallic: 1.0, ..surface },
+            Finish::Glass { index, transmission, .. } => {
+                surface = Principled { base: transmission, ..surface }.transmission(1.0).index(index);
+            }
         }
         surface.emission = match (self.emission, of(Use::Emission)) {
             (None, Some(_)) => Vec3::ONE,

@@ -33,6 +33,7 @@ struct Known {
     /// The texture, or the reason why it can't be read.
     texture: Result<Texture, String>,
     is_opaque: Option<bool>,
+    has_normals: Option<bool>,
 }
 
 impl<'a> Textures<'a> {
@@ -85,13 +86,13 @@ impl<'a> Textures<'a> {
             None => {
                 let texture = self.open(mtl, &file, &key);
                 let known = texture.as_ref().map(Texture::clone).map_err(Error::without_path);
-                self.read.insert(key.clone(), Known { texture: known, is_opaque: None });
+                self.read.insert(key.clone(), Known { texture: known, is_opaque: None, has_normals: None });
                 texture?
             }
         };
         let by_brightness = map.purpose == Use::CutOut && self.is_opaque(&key);
         // Some programs name normals in statements for heights.
-        if map.purpose == Use::Normal && map.keyword != "norm" && !looks_like_normals(&texture) {
+        if map.purpose == Use::Normal && map.keyword != "norm" && !self.has_normals(&key) {
             return Err(Error::parse(file, None, "it has heights, not normals"));
         }
         let ids = (key, map.clamp, by_brightness, map.purpose.is_data());
@@ -126,8 +127,18 @@ impl<'a> Textures<'a> {
     /// Returns whether a picture that was read has no alpha below 255.
     fn is_opaque(&mut self, key: &Path) -> bool {
         match self.read.get_mut(key) {
-            Some(Known { texture: Ok(texture), is_opaque }) => {
+            Some(Known { texture: Ok(texture), is_opaque, .. }) => {
                 *is_opaque.get_or_insert_with(|| is_opaque_all_over(texture))
+            }
+            _ => false,
+        }
+    }
+
+    /// Returns whether a picture that was read looks like normals.
+    fn has_normals(&mut self, key: &Path) -> bool {
+        match self.read.get_mut(key) {
+            Some(Known { texture: Ok(texture), has_normals, .. }) => {
+                *has_normals.get_or_insert_with(|| looks_like_normals(texture))
             }
             _ => false,
         }
@@ -164,6 +175,6 @@ fn looks_like_normals(texture: &Texture) -> bool {
     for pixel in pixels.iter() {
         (0..3).for_each(|channel| sums[channel] += u64::from(pixel[channel]));
     }
-    let [red, green, blue] = sums.map(|sum| sum as f64 / (255 * pixels.len()) as f64);
+    let [red, green, blue] = sums.map(|sum| sum as f64 / (255.0 * pixels.len() as f64));
     (red - 0.5).abs() < 0.1 && (green - 0.5).abs() < 0.1 && blue > 0.7
 }
