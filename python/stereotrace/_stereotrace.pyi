@@ -77,6 +77,8 @@ class RenderOptions(TypedDict, total=False):
     jitter: bool
     # Adaptive antialiasing: levels, 2 to 5, and a tolerance in 8-bit values, 0 to 255. Default None.
     adaptive: Sequence[float] | None
+    # Light by other surfaces: "direct", "paths", "paths=SAMPLES" or "paths=SAMPLES:BOUNCES". Default "direct".
+    lighting: str
     # Maximum number of reflections and refractions along a ray, 0 to 8. Default 5.
     bounces: int
     # Rays to each light that is not a point, 1 to 32. Default 16.
