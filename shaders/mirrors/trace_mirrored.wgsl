@@ -52,9 +52,7 @@ fn send_on(ray: Pending, t: f32, material: Material, surface: Surface, surfaces:
 }
 
 fn send_mirrored(ray: Pending, surfaces: Surfaces, mirrored: vec3f, weight: vec3f, travelled: f32) {
-    // If a smooth normal would reflect the ray below the surface, the ray is sent along the surface instead.
-    let geometric = of_ray3(surfaces.geometric_normal, 0u);
-    let above = mirrored + geometric * max(0.0, 1e-4 - dot(mirrored, geometric));
+    let above = kept_above(mirrored, of_ray3(surfaces.geometric_normal, 0u));
     send(offset_from(surfaces, ray.origin, 1.0), normalize(above), weight, travelled, ray.depth + 1u);
 }
 

@@ -23,3 +23,6 @@ fn packed_srgb(color: F3) -> U {
     let z = U(floor(srgb(shown(color.z)) * 255.0 + 0.5));
     return x | (y << U(8u)) | (z << U(16u)) | U(0xff000000u);
 }
+
+// Returns the luminance of a linear colour (Rec. 709).
+fn luminance(color: vec3f) -> f32 { return dot(color, vec3f(0.2126, 0.7152, 0.0722)); }

@@ -1,7 +1,7 @@
 // Light that reaches a path's vertex directly. A place on a light, a place on an emitting primitive, and a direction of
 // a sky map are chosen by chance.
 
-//! use aims, bvh, facets, fetch, lane, pixels, planes, rays, scattering, sky, sky_light, sobol, table
+//! use aims, bvh, display, facets, fetch, lane, pixels, planes, rays, scattering, sky, sky_light, sobol, table
 
 //! if light is paths
 // Number of pairs of random numbers per vertex, and what they choose.
@@ -148,13 +148,13 @@ fn sent_from_emitting(vertex: Vertex, pair: u32) -> Sent {
         let direction = way * (cosine / distance) + (sides[0] * cos(turn) + sides[1] * sin(turn)) * aside;
         let nearest = distance * cosine - sqrt(max(radius * radius - distance * distance * aside * aside, 0.0));
         way = direction * nearest;
-        density = brightness(emission) * 2.0 * radius * radius / cap;
+        density = luminance(emission) * 2.0 * radius * radius / cap;
     } else {
         let root = sqrt(at.x);
         way += along * (1.0 - root) + up * (at.y * root);
         let normal = cross(along, up);
         let squared = dot(way, way);
-        density = brightness(emission) * squared * sqrt(squared) * length(normal) / max(abs(dot(normal, way)), 1e-30);
+        density = luminance(emission) * squared * sqrt(squared) * length(normal) / max(abs(dot(normal, way)), 1e-30);
     }
     let far = length(way);
     if far <= 0.0 { return none; }
@@ -185,7 +185,7 @@ fn emission_of_path(vertex: Vertex, density: f32, t: f32) -> vec3f {
         if sine >= 1.0 { return emission; }
         other = 2.0 * vertex.radius * vertex.radius / max(cap_of(sine), 1e-30);
     }
-    other *= brightness(emission) / max(power, 1e-30);
+    other *= luminance(emission) / max(power, 1e-30);
     return emission * (density / (density + other));
 }
 
@@ -198,19 +198,13 @@ fn sky_of_path(direction: vec3f, density: f32) -> vec3f { return of_ray3(sky(all
 //! if light is paths and sky is map
 // A bright part of a sky map is found by its brightness, and by paths that leave the scene. Both are combined by the
 // balance heuristic (Veach and Guibas 1995, "Optimally Combining Sampling Techniques").
-fn map_header() -> vec4u { return table_texel(SKY_NADIR); }
-
-fn map_mean(header: vec4u) -> f32 {
-    return bitcast<f32>(table_texel(header.x + header.y * header.z - 1u).w);
-}
-
 fn sent_from_sky(vertex: Vertex, pair: u32) -> Sent {
     let none = Sent(vec3f(0.0), vec3f(0.0));
     let at = random_point(pair + PAIR_SKY);
     let to_light = towards_brightness(at.x, at.y);
     let there = reflectance_of(vertex, to_light);
     if there.diffuse <= 0.0 { return none; }
-    let header = map_header();
+    let header = table_texel(SKY_NADIR);
     let seen = sky_seen(to_light, header, map_mean(header));
     let density = seen.density * INVERSE_PI;
     if density <= 0.0 { return none; }
@@ -225,7 +219,7 @@ fn sent_from_sky(vertex: Vertex, pair: u32) -> Sent {
 
 // Returns the sky's share in the light of a path that leaves the scene in a direction of this density.
 fn sky_of_path(direction: vec3f, density: f32) -> vec3f {
-    let header = map_header();
+    let header = table_texel(SKY_NADIR);
     let seen = sky_seen(direction, header, map_mean(header));
     if density <= 0.0 { return seen.color; }
     return seen.color * (density / (density + seen.density * INVERSE_PI));

@@ -1,7 +1,7 @@
 // Microfacets: the GGX distribution of normals with Smith's height-correlated masking (Heitz 2014, "Understanding the
 // Masking-Shadowing Function"), equal in all directions.
 
-//! use aims, fetch, materials, table
+//! use aims, display, fetch, materials, table
 
 //! if light is paths
 const TWO_PI: f32 = 6.2831853;
@@ -24,8 +24,6 @@ struct Lobes {
     is_thin: bool,          // whether glass does not refract
     is_fresnel: bool,       // whether glass splits light by the angle
 }
-
-fn brightness(color: vec3f) -> f32 { return dot(color, vec3f(0.2126, 0.7152, 0.0722)); }
 
 // Returns Phong's exponent as the alpha of a lobe of about the same width (Walter et al. 2007, "Microfacet Models for
 // Refraction through Rough Surfaces", section 5.2).
@@ -51,7 +49,7 @@ fn lobes_of(material: Material, albedo: vec3f, cosine: f32) -> Lobes {
     if material.kind == MIRROR {
         if material.fresnel { return with_highlights(lobes, material.specular, material.specular, 0.0, 0.0, facing); }
         lobes.reflectance = material.specular;
-        lobes.glossy = brightness(material.specular);
+        lobes.glossy = luminance(material.specular);
         return lobes;
     }
     if all(material.specular == vec3f(0.0)) { return lobes; }
@@ -92,14 +90,14 @@ fn with_highlights(
     let bare = schlick_of(metal, lost);
     lobes.reflectance = mix(above.plain, bare.plain, metallic);
     lobes.grazing = mix(above.grazing, bare.grazing, metallic);
-    lobes.glossy = brightness(lobes.reflectance * (shares.x + shares.y) + lobes.grazing * shares.y);
+    lobes.glossy = luminance(lobes.reflectance * (shares.x + shares.y) + lobes.grazing * shares.y);
     lobes.diffuse *= 1.0 - (above.plain * (shares.x + shares.y) + above.grazing * shares.y);
     return lobes;
 }
 
 // Returns the probability that a path follows the highlight, mirror or glass rather than diffuse reflection.
 fn glossy_chance(lobes: Lobes) -> f32 {
-    return lobes.glossy / max(lobes.glossy + brightness(lobes.diffuse), 1e-30);
+    return lobes.glossy / max(lobes.glossy + luminance(lobes.diffuse), 1e-30);
 }
 
 // Returns the reflectance for the cosine of the angle to a facet's normal.

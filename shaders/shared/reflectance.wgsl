@@ -150,6 +150,11 @@ fn shine_color(surfaces: Surfaces, intensity: vec3f, plain: f32, grazing: f32, r
 }
 
 //! end
+// If a smooth normal would reflect a ray below the surface, the ray is sent along the surface instead.
+fn kept_above(mirrored: vec3f, geometric_normal: vec3f) -> vec3f {
+    return mirrored + geometric_normal * max(0.0, 1e-4 - dot(mirrored, geometric_normal));
+}
+
 // Highlights along four rays: the factors of a surface's `specular` and of its `grazing`.
 struct FourShine {
     plain: vec4f,

@@ -1,7 +1,8 @@
 // Scattering of light at the vertices of paths: diffuse reflection, highlights, mirrors, glass and veils. DESIGN
 // (section 3) has the formulas.
 
-//! use aims, facets, lane, light, looks, materials, planes, primitive, primitives, rays, surfaces
+//! use aims, display, facets, lane, light, looks, materials, planes, primitive, primitives, rays, reflectance
+//! use surfaces
 
 //! if light is paths
 // A point where a path meets a surface.
@@ -129,9 +130,7 @@ fn scattered(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
     } else if lobes.alpha <= LEAST_ALPHA {
         let cosine = dot(vertex.normal, vertex.to_viewer);
         let mirrored = vertex.normal * (2.0 * cosine) - vertex.to_viewer;
-        // If a smooth normal would reflect the ray below the surface, the ray is sent along the surface instead.
-        let up = vertex.geometric_normal * max(0.0, 1e-4 - dot(mirrored, vertex.geometric_normal));
-        result.direction = normalize(mirrored + up);
+        result.direction = normalize(kept_above(mirrored, vertex.geometric_normal));
         result.side = 1.0;
         result.weight = schlick(lobes, clamp(cosine, 0.0, 1.0)) / chance;
     } else {
@@ -183,12 +182,11 @@ fn through_glass(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
     var normal = vertex.normal;
     if is_rough { normal = facet_towards(normal, vertex.to_viewer, alpha, 1.0, at); }
     let split = split_by_glass(vertex, normal);
-    let chance = brightness(split.back) / max(brightness(split.back) + brightness(split.passed), 1e-30);
+    let chance = luminance(split.back) / max(luminance(split.back) + luminance(split.passed), 1e-30);
     var result: Scattered;
     if choice < chance {
         let mirrored = normal * (2.0 * dot(normal, vertex.to_viewer)) - vertex.to_viewer;
-        let up = vertex.geometric_normal * max(0.0, 1e-4 - dot(mirrored, vertex.geometric_normal));
-        result.direction = normalize(mirrored + select(up, vec3f(0.0), is_rough));
+        result.direction = normalize(select(kept_above(mirrored, vertex.geometric_normal), mirrored, is_rough));
         result.side = 1.0;
         result.weight = split.back / chance;
     } else {

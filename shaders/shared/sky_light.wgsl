@@ -1,7 +1,7 @@
 // The sky as a light source, which replaces ambient light if requested. Rays from a point in many directions collect
 // the sky's radiance (DESIGN, section 3).
 
-//! use aims, fetch, lane, sky, table
+//! use aims, display, fetch, lane, sky, table
 
 //! if surroundings is cosine or map
 // Colours that four rays contribute to a white surface, each multiplied by the total number of rays.
@@ -10,8 +10,6 @@ struct FourColors {
     g: vec4f,
     b: vec4f,
 }
-
-fn luminance(color: vec3f) -> f32 { return dot(color, vec3f(0.2126, 0.7152, 0.0722)); }
 
 fn sum_of_colors(four: FourColors) -> vec3f {
     return vec3f(sum_of_four(four.r), sum_of_four(four.g), sum_of_four(four.b));
@@ -136,10 +134,14 @@ fn sky_seen(d: vec3f, header: vec4u, mean: f32) -> SkySeen {
     return SkySeen(mix(top, bottom, share.y), select(0.0, density, mean > 0.0));
 }
 
+// Returns the mean of the pixels' weights, which is stored in place of the last row's share.
+fn map_mean(header: vec4u) -> f32 {
+    return bitcast<f32>(table_texel(header.x + header.y * header.z - 1u).w);
+}
+
 fn sky_colors(aim: Aim, rays: Four) -> FourColors {
     let header = table_texel(SKY_NADIR);
-    // The mean of the pixels' weights is stored in place of the last row's share.
-    let mean = bitcast<f32>(table_texel(header.x + header.y * header.z - 1u).w);
+    let mean = map_mean(header);
     let none = vec4f(0.0);
     var four = FourColors(none, none, none);
     var index = 0u;

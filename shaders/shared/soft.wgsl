@@ -2,8 +2,8 @@
 // per point. The rays are spread evenly (Hammersley points) and shifted by random numbers of the pixel. So no pattern
 // is visible, and a frame is reproducible bit for bit.
 
-//! use aims, bvh, camera, counters, dice, fetch, frame, lane, light, pixels, planes, rays, reflectance, sky_light
-//! use surfaces, table, view, visibility
+//! use aims, bvh, camera, counters, dice, display, fetch, frame, lane, light, pixels, planes, rays, reflectance
+//! use sky_light, surfaces, table, view, visibility
 
 //! if soft is none
 fn first_slot() -> u32 { return 0u; }

@@ -72,20 +72,19 @@ pub(crate) struct ShadingTable<'a> {
     each: usize,
     /// Number of texels per light.
     each_light: usize,
-    /// Emitting primitives.
-    emitters: Emitters,
+    /// Emitting primitives, found when they are first needed.
+    emitters: OnceLock<Emitters>,
 }
 
 impl<'a> ShadingTable<'a> {
     pub(crate) fn of(scene: &'a Scene) -> Self {
         let more = |material: &Material| material.shines() || material.sends_rays();
         let each = material_texels(scene.materials().iter().any(more), scene.has_principled());
-        Self {
-            scene,
-            each,
-            each_light: light_texels(scene.soft_lights().next().is_some()),
-            emitters: Emitters::of(scene),
-        }
+        Self { scene, each, each_light: light_texels(scene.soft_lights().next().is_some()), emitters: OnceLock::new() }
+    }
+
+    fn emitters(&self) -> &Emitters {
+        self.emitters.get_or_init(|| Emitters::of(self.scene))
     }
 
     /// Returns the number of texels before the sky's pixels.
@@ -100,14 +99,14 @@ impl<'a> ShadingTable<'a> {
     /// Returns the number of all texels.
     pub(crate) fn count(&self) -> usize {
         self.before_paths()
-            + self.for_paths().map_or(0, |_| 1 + facets::SIDE * facets::SIDE + self.emitters.texels.len())
+            + self.for_paths().map_or(0, |_| 1 + facets::SIDE * facets::SIDE + self.emitters().texels.len())
     }
 
     /// Returns the first texel that only paths read, which says where the others are; `None` if paths need none.
     fn for_paths(&self) -> Option<Texel> {
         let facets = self.before_paths() + 1;
         let emitters = facets + facets::SIDE * facets::SIDE;
-        let head = [facets as u32, emitters as u32, self.emitters.count() as u32, self.emitters.power.to_bits()];
+        let head = [facets as u32, emitters as u32, self.emitters().count() as u32, self.emitters().power.to_bits()];
         (self.each > 1).then_some(head)
     }
 
@@ -148,7 +147,7 @@ impl<'a> ShadingTable<'a> {
     pub(crate) fn path_texels(&self) -> impl Iterator<Item = Texel> + use<> {
         let texels = self.for_paths().map(|head| {
             let facets = facets::reflected_shares().iter().copied();
-            [head].into_iter().chain(facets).chain(self.emitters.texels.iter().copied()).collect::<Vec<_>>()
+            [head].into_iter().chain(facets).chain(self.emitters().texels.iter().copied()).collect::<Vec<_>>()
         });
         texels.into_iter().flatten()
     }

@@ -401,6 +401,15 @@ impl Options {
         self
     }
 
+    pub(crate) fn follows_paths(&self) -> bool {
+        self.lighting != Lighting::Direct
+    }
+
+    /// Returns whether directions are sampled by the brightness of a sky map.
+    pub(crate) fn samples_sky(&self) -> bool {
+        self.sky_rays.is_some() || self.follows_paths()
+    }
+
     /// Checks all values without a device, as every frame does.
     ///
     /// ```

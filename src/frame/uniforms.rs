@@ -11,7 +11,7 @@ pub(crate) fn uniforms_bytes(views: usize, parts: u32) -> u64 {
     views as u64 * u64::from(parts) * STRIDE
 }
 
-/// What a dispatch traces, if a step has several.
+/// The rays that a dispatch traces, for steps with several dispatches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
     /// Rays to a soft light.

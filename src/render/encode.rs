@@ -3,7 +3,7 @@
 use std::{ops::ControlFlow, sync::Arc};
 
 use crate::{
-    Error, GBuffer, Gpu, Lighting, Options, Renderer, Rig, UploadedScene,
+    Error, GBuffer, Gpu, Options, Renderer, Rig, UploadedScene,
     frame::{
         driver::{Driver, Setting},
         plan::Plan,
@@ -77,7 +77,7 @@ impl Renderer {
     ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
         scene.belongs_to(&self.gpu)?;
         options.check()?;
-        if options.sky_rays.is_some() || options.lighting != Lighting::Direct {
+        if options.samples_sky() {
             scene.weigh_sky().await?;
         }
         let eyes = rig.eyes(scene.origin)?;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::tally::Tally;
 use crate::{
-    Choice, Error, Lighting, Method, OnProgress, OnRows, Options, PassTimes, Penumbra, RaysPerLane, Renderer, Rows,
+    Choice, Error, Method, OnProgress, OnRows, Options, PassTimes, Penumbra, RaysPerLane, Renderer, Rows,
     ShadowBufferWork, ShadowReuse, Tone, UploadedScene, Visibility,
     frame::{
         Band, Bands,
@@ -105,7 +105,7 @@ impl Renderer {
     ) -> Result<Done, Error> {
         scene.belongs_to(&self.gpu)?;
         options.check()?;
-        if options.sky_rays.is_some() || options.lighting != Lighting::Direct {
+        if options.samples_sky() {
             scene.weigh_sky().await?;
         }
         let tables = scene.shadow_tables(&self.kernels, options).await?;
@@ -223,7 +223,7 @@ impl Renderer {
         let chosen = early.map_or(method, |choice| choice.method);
         let views = methods::Views {
             sources: &eyes.sources,
-            mirrors: scene.variant.mirrors && options.lighting == Lighting::Direct,
+            mirrors: scene.variant.mirrors && !options.follows_paths(),
             paths: Paths::of(options, scene.soft.parts(options).len())
                 .filter(|_| scene.variant.has_tree() || scene.variant.planes > 0),
             soft,
@@ -292,7 +292,7 @@ impl Renderer {
         Variant {
             traversal: counting.traversal.rays(rays),
             projection: eyes.projection,
-            linear: options.linear || options.lighting != Lighting::Direct,
+            linear: options.linear || options.follows_paths(),
             jitter: Jitter::of(options).side(),
             close: scene.close_to(&eyes.positions()),
             bits,
@@ -301,9 +301,9 @@ impl Renderer {
             shadow_rays,
             occlusion_rays,
             sky_light: options.sky_rays.is_some(),
-            paths: options.lighting != Lighting::Direct,
+            paths: options.follows_paths(),
             shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
-            casts: counting.casts || !(soft || options.lighting != Lighting::Direct),
+            casts: counting.casts || !(soft || options.follows_paths()),
             shadow_buffer: scene.casters().reading(options),
             ..counting
         }

@@ -8,7 +8,7 @@ use super::{
 };
 
 /// Roughness up to which direct light shows a mirror, since its highlights would be points.
-pub(crate) const MIRROR_ROUGHNESS: f32 = 0.1;
+const MIRROR_ROUGHNESS: f32 = 0.1;
 
 /// A physically based surface (glTF 2.0, appendix B), which paths of light show ([`Lighting::Paths`]). Direct light
 /// shows Phong's approximation of it, with the means of its textures.

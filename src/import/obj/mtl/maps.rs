@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use crate::import::warnings::Warnings;
 
-/// What a texture is for.
+/// Property of a surface that a texture sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
     Color,
