@@ -17,10 +17,11 @@ fn add_brought(@builtin(global_invocation_id) id: vec3u) {
     if !all_rays(wanted) { return; }
     let index = pixel_index(pixel_of_ray(pixels, 0u));
     let sum = brought[index];
-    if sum.paths == 0u { return; }
+    if sum.paths == 0u && sum.is_known == 0u { return; }
     let vertex = vertex_at(rays_of(pixels), target_hits(pixels, wanted));
-    let share = 1.0 / f32(sum.paths);
+    let share = 1.0 / f32(max(sum.paths, 1u));
     let direct = linear_color[index].xyz * vertex.lobes.opacity;
-    let color = direct + vertex.lobes.diffuse * (sum.diffuse * share) + sum.glossy * share;
+    let diffuse = sum.diffuse * select(share, 1.0, sum.is_known == 1u);
+    let color = direct + vertex.lobes.diffuse * diffuse + sum.glossy * share;
     keep_colors(pixels, wanted, all3(color));
 }

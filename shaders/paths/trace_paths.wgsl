@@ -6,7 +6,7 @@
 // appends paths      list of the next ray
 // adds    counters   [height * COUNTERS]
 
-//! use bvh, counters, emitters, frame, lane, paths, pixels, planes, rays, scattering, sobol, textures
+//! use bvh, counters, display, emitters, frame, lane, paths, pixels, planes, rays, scattering, sobol, textures
 
 var<storage, read_write> brought: array<Brought>;
 var<storage, read_write> paths: Paths;
@@ -43,6 +43,7 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3u) {
     light *= path.weight;
     if path.is_diffuse == 1u {
         brought[index].diffuse += light;
+        brought[index].newest += luminance(light);
     } else {
         brought[index].glossy += light;
     }

@@ -72,7 +72,7 @@ struct PathRay {
     ray: u32,       // number of the rays that trace_paths traces, counted from 1
     bounces: u32,   // maximum number of surfaces that scatter a path's light, after the first hit
     first: u32,     // number of the first path of each pixel
-    _pad: u32,
+    tolerance: f32, // largest difference between samples whose light is shared, in standard deviations
 }
 
 struct Frame {

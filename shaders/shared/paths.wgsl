@@ -27,7 +27,10 @@ struct Brought {
     diffuse: vec3f,      // irradiance over pi, for diffuse reflection
     paths: u32,          // number of paths
     glossy: vec3f,       // radiance that the surface reflects or transmits to the viewer
-    squares: f32,        // sum of squared brightness of `diffuse`
+    squares: f32,        // sum of the squared brightness that each path but the newest brought in `diffuse`
+    newest: f32,         // brightness that the newest path brought in `diffuse`
+    is_known: u32,       // 1 if `diffuse` is a mean that is reused from another view
+    _pad: vec2u,
 }
 
 // Adds a path to the list of those whose ray of this number is not traced yet. Rays are counted from 1. The order of a

@@ -31,6 +31,7 @@ impl Resource {
             Self::Source => Some((Self::View, source)),
             Self::SourceLinear => Some((Self::Linear, source)),
             Self::SourceCounters => Some((Self::Counters, source)),
+            Self::SourceBrought => Some((Self::Brought, source)),
             Self::SourceSamples => Some((Self::KeptSamples, source)),
             Self::KeptSamples => Some((self, if view == source { view } else { UNREAD })),
             Self::View | Self::Linear | Self::Bounds | Self::Counters | Self::Brought => Some((self, view)),

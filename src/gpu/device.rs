@@ -37,10 +37,10 @@ pub(crate) fn limits_over(others: wgpu::Limits) -> wgpu::Limits {
     wgpu::Limits {
         max_bind_groups: 1,
         max_bindings_per_bind_group: 11,
-        max_storage_buffers_per_shader_stage: 6,
+        max_storage_buffers_per_shader_stage: 7,
         max_storage_textures_per_shader_stage: 3,
         max_uniform_buffers_per_shader_stage: 2,
-        max_buffers_and_acceleration_structures_per_shader_stage: 8,
+        max_buffers_and_acceleration_structures_per_shader_stage: 9,
         max_compute_invocations_per_workgroup: 64,
         max_compute_workgroup_size_x: 64,
         max_compute_workgroup_size_y: 8,

@@ -83,7 +83,7 @@ pub(crate) struct PathRay {
     pub(crate) ray: u32,
     pub(crate) bounces: u32,
     pub(crate) first: u32,
-    pub(crate) _pad: u32,
+    pub(crate) tolerance: f32,
 }
 
 /// `Frame` of shaders/shared/frame.wgsl.
@@ -157,6 +157,9 @@ pub(crate) struct Brought {
     pub(crate) paths: u32,
     pub(crate) glossy: [f32; 3],
     pub(crate) squares: f32,
+    pub(crate) newest: f32,
+    pub(crate) is_known: u32,
+    pub(crate) _pad: [u32; 2],
 }
 
 /// `Mapping` of shaders/shared/frame.wgsl.

@@ -45,6 +45,8 @@ resources! {
     Paths = "paths",
     /// Light that the paths of the current view brought.
     Brought = "brought",
+    /// Light that the paths of the source view brought.
+    SourceBrought = "source_brought",
     /// The 3D buffer.
     Slots = "slots",
     /// Samples of the current view, for views that are made from it.

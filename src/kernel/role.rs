@@ -24,6 +24,8 @@ pub(crate) enum Role {
     Shade(Shading),
     /// Follows paths of light from hits, or adds the light that they brought.
     Paths,
+    /// Takes over the light that the paths of a source view brought.
+    SharePaths,
 }
 
 /// The pixels whose hits a kernel finds.
@@ -151,6 +153,7 @@ impl Role {
             Self::Draw(canvas) => Does { canvas, ..Does::PLAIN },
             Self::RayList(dispatches) => Does { dispatches, ..Does::PLAIN },
             Self::Shade(shading) => shading.does(),
+            Self::SharePaths => Does { samples: SampleUse::Read, follows: true, minds_mask: true, ..Does::PLAIN },
             Self::Paths => Does { follows: true, minds_mask: true, ..Does::PLAIN },
         }
     }
@@ -159,7 +162,7 @@ impl Role {
     pub(crate) fn reads_tree(self) -> bool {
         match self {
             Self::Pixels | Self::LinearPixels | Self::MarkBusy | Self::Objects => false,
-            Self::Hits(_) | Self::Draw(_) | Self::RayList(_) | Self::Shade(_) | Self::Paths => true,
+            Self::Hits(_) | Self::Draw(_) | Self::RayList(_) | Self::Shade(_) | Self::Paths | Self::SharePaths => true,
         }
     }
 }

@@ -39,7 +39,7 @@ fn modules() -> Vec<(&'static Kernel, Variant, String)> {
 }
 
 #[test]
-fn every_specialised_kernel_passes_naga_and_keeps_to_six_storage_buffers() {
+fn every_specialised_kernel_passes_naga_and_keeps_to_seven_storage_buffers() {
     let modules = modules();
     assert!(modules.len() > 100, "{}", modules.len());
     for (kernel, with, text) in modules {
@@ -56,7 +56,7 @@ fn every_specialised_kernel_passes_naga_and_keeps_to_six_storage_buffers() {
         let used = module.global_variables.iter().filter(|(handle, variable)| {
             !info.get_entry_point(0)[*handle].is_empty() && matches!(variable.space, naga::AddressSpace::Storage { .. })
         });
-        assert!(used.count() <= 6, "{} {with:?}", kernel.name);
+        assert!(used.count() <= 7, "{} {with:?}", kernel.name);
     }
 }
 

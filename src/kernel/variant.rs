@@ -296,6 +296,18 @@ impl Variant {
                 shadow_rays: 0,
                 ..self
             },
+            // The kernel reads hits, materials and samples.
+            Role::SharePaths => Self {
+                traversal: self.traversal.rays(RaysPerLane::One),
+                paths: true,
+                principled: self.principled,
+                shine: self.shine,
+                soft_lights: self.soft_lights,
+                mirrors: self.mirrors,
+                samples: true,
+                bits: ShadowReuse::Rays,
+                ..self.unlit()
+            },
             Role::Shade(_) => self,
         };
         let does = role.does();

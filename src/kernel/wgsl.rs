@@ -77,6 +77,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "emitters",
     "facets",
     "fetch",
+    "first_vertex",
     "frame",
     "in_steps",
     "jitter",

@@ -203,7 +203,11 @@ impl Renderer {
                 disagreed: model.disagreed,
                 _pad: 0,
             },
-            paths: layout::PathRay { bounces: paths.map_or(0, |paths| paths.rays - 1), ..Default::default() },
+            paths: layout::PathRay {
+                bounces: paths.map_or(0, |paths| paths.rays - 1),
+                tolerance: options.penumbra.tolerance(),
+                ..Default::default()
+            },
         };
         Uniforms::new((0..eyes.sources.len()).map(view).collect(), parts_of(scene, options).collect())
     }

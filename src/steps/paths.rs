@@ -3,15 +3,20 @@
 
 use super::step;
 use crate::{
-    Lighting, Options,
+    Lighting, Options, Penumbra,
     frame::{
         plan::{Launch, Step},
         uniforms::Part,
     },
+    kernel::layout::TO_TRACE,
     kernel::{Kernel, Resource, Role, kernel},
 };
 
 pub(crate) const BEGIN_PATHS: Kernel = kernel!("paths", "begin_paths", Role::Paths);
+/// Begins paths in listed pixels.
+pub(crate) const BEGIN_LISTED_PATHS: Kernel = kernel!("paths", "begin_listed_paths", Role::Paths);
+/// Reuses light of a source view, and lists the pixels that need paths of their own.
+pub(crate) const SHARE_BROUGHT: Kernel = kernel!("paths", "share_brought", Role::SharePaths);
 pub(crate) const TRACE_PATHS: Kernel = kernel!("paths", "trace_paths", Role::Paths);
 pub(crate) const ADD_BROUGHT: Kernel = kernel!("paths", "add_brought", Role::Paths);
 
@@ -24,6 +29,8 @@ pub(crate) struct Paths {
     pub(crate) rays: u32,
     /// Number of parts before those of paths.
     pub(crate) first_part: usize,
+    /// Whether views that reuse visibility bits also reuse light.
+    pub(crate) is_shared: bool,
 }
 
 impl Paths {
@@ -31,9 +38,12 @@ impl Paths {
     pub(crate) fn of(options: &Options, first_part: usize) -> Option<Self> {
         match options.lighting {
             Lighting::Direct => None,
-            Lighting::Paths { bounces, samples } => {
-                Some(Self { each: samples.div_ceil(options.samples), rays: bounces + 1, first_part })
-            }
+            Lighting::Paths { bounces, samples } => Some(Self {
+                each: samples.div_ceil(options.samples),
+                rays: bounces + 1,
+                first_part,
+                is_shared: options.penumbra != Penumbra::Exact,
+            }),
         }
     }
 
@@ -44,6 +54,18 @@ impl Paths {
 
 /// Returns the steps that follow paths from a view's hits and add their light.
 pub(crate) fn of(view: usize, paths: Paths) -> Vec<Step> {
+    followed(view, paths, step(&BEGIN_PATHS, view, Launch::Pixels))
+}
+
+/// Returns the steps that reuse light of a view's source, follow paths for the rest, and add their light. The
+/// source's paths have been followed.
+pub(crate) fn shared(view: usize, paths: Paths) -> Vec<Step> {
+    let begin = step(&BEGIN_LISTED_PATHS, view, Launch::Listed(Resource::Lists, TO_TRACE));
+    let share = vec![Step::EmptyLists, step(&SHARE_BROUGHT, view, Launch::Pixels)];
+    [share, followed(view, paths, begin)].concat()
+}
+
+fn followed(view: usize, paths: Paths, begin: Step) -> Vec<Step> {
     let trace = |ray: u32| Step::Run {
         name: TRACE_PATHS.name,
         kernel: &TRACE_PATHS,
@@ -53,7 +75,7 @@ pub(crate) fn of(view: usize, paths: Paths) -> Vec<Step> {
     };
     let mut steps = Vec::new();
     for _ in 0..paths.each {
-        steps.extend([Step::EmptyPaths, step(&BEGIN_PATHS, view, Launch::Pixels)]);
+        steps.extend([Step::EmptyPaths, begin]);
         steps.extend((1..=paths.rays).map(trace));
     }
     steps.push(step(&ADD_BROUGHT, view, Launch::Pixels));

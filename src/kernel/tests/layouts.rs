@@ -59,7 +59,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     );
     assert_layout!(module, Display { exposure, filmic, words_read, _pad });
     assert_layout!(module, Costs { least_spared, listed, disagreed, _pad });
-    assert_layout!(module, PathRay { ray, bounces, first, _pad });
+    assert_layout!(module, PathRay { ray, bounces, first, tolerance });
     assert_layout!(module, Frame { eyes, band, lighting, display, costs, paths });
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
     let stated = [
@@ -92,7 +92,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     });
     assert_eq!(header.map(u64::from), Some(layout::PATHS_HEADS));
     assert_layout!(paths, Path { origin, travelled, direction, density, weight, is_diffuse, entries, _pad });
-    assert_layout!(paths, Brought { diffuse, paths, glossy, squares });
+    assert_layout!(paths, Brought { diffuse, paths, glossy, squares, newest, is_known, _pad });
 }
 
 #[test]

@@ -21,7 +21,7 @@ use crate::{
         },
         edges::MARK_EDGES,
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
-        paths::{ADD_BROUGHT, BEGIN_PATHS, TRACE_PATHS},
+        paths::{ADD_BROUGHT, BEGIN_LISTED_PATHS, BEGIN_PATHS, SHARE_BROUGHT, TRACE_PATHS},
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
         soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
@@ -31,10 +31,12 @@ use crate::{
     view::rig::Projection,
 };
 
-pub(super) const ALL: [&Kernel; 57] = [
+pub(super) const ALL: [&Kernel; 59] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &BEGIN_PATHS,
+    &BEGIN_LISTED_PATHS,
+    &SHARE_BROUGHT,
     &TRACE_PATHS,
     &ADD_BROUGHT,
     &TRACE_IN_STEPS,
@@ -216,7 +218,7 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
             all.retain(|with| with.has_tree() || with.planes > 0);
             all.iter_mut().for_each(|with| with.mirrors = true);
         }
-        Role::Paths => {
+        Role::Paths | Role::SharePaths => {
             all.retain(|with| with.has_tree() || with.planes > 0);
             all.iter_mut().for_each(|with| (with.paths, with.linear) = (true, true));
         }

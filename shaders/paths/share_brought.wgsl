@@ -1,0 +1,76 @@
+// Reuses the light of diffuse reflection of a source view, where the two source samples beside a pixel's point
+// show its surface and chance explains their difference. Lists the pixels that need paths of their own.
+//
+// launch  one thread per pixel of the current rows
+// reads   view            [height * width]
+// reads   source          [height * width]   slots of the source's hits
+// reads   source_brought  [height * width]
+// writes  brought         [height * width]
+// appends lists           TO_TRACE
+
+//! use bits, camera, display, fetch, frame, lane, lists, materials, paths, pixels, primitive, source_samples, wanted
+
+var<storage, read> view: array<Pixel>;
+var<storage, read> source: array<Pixel>;
+var<storage, read> source_brought: array<Brought>;
+var<storage, read_write> brought: array<Brought>;
+var<storage, read_write> lists: Lists;
+
+// Minimum cosine between the normals of primitives whose samples share light.
+const LIKE_NORMAL: f32 = 0.95;
+// Share of their mean by which two samples may always differ.
+const NEARLY_EQUAL: f32 = 0.02;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn share_brought(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    if !all_rays(inside_rows(pixels)) { return; }
+    let pixel = pixel_of_ray(pixels, 0u);
+    let index = pixel_index(pixel);
+    let seen = view[index];
+    if seen.slot == MISS { return; }
+    let material = primitive_texel(seen.slot, 2u).w & MATERIAL;
+    let is_shared = !is_bumpy(material) && take_light(pixel, index, seen);
+    if !is_shared || is_glossy(material) { append(TO_TRACE, reserve(TO_TRACE, 1u), index); }
+}
+
+fn take_light(pixel: vec2u, index: u32, seen: Pixel) -> bool {
+    let at = place_between(nearest_source(), pixel, seen.depth);
+    if !at.usable { return false; }
+    let component = primitive_texel(seen.slot, 1u).w;
+    let first = pixel_index(at.first);
+    if !vouches(at, source_sample(at.first), component) { return false; }
+    if !vouches(at, source_sample(at.first + vec2u(1u, 0u)), component) { return false; }
+    if !is_alike(seen.slot, source[first].slot) || !is_alike(seen.slot, source[first + 1u].slot) { return false; }
+    let before = source_brought[first];
+    let after = source_brought[first + 1u];
+    if before.paths < 2u || after.paths < 2u { return false; }
+    let a = luminance(before.diffuse) / f32(before.paths);
+    let b = luminance(after.diffuse) / f32(after.paths);
+    let chance = frame.paths.tolerance * sqrt(mean_variance(before, a) + mean_variance(after, b));
+    if abs(a - b) > max(chance, NEARLY_EQUAL * 0.5 * (a + b)) { return false; }
+    brought[index].diffuse = mix(before.diffuse / f32(before.paths), after.diffuse / f32(after.paths), at.way);
+    brought[index].is_known = 1u;
+    return true;
+}
+
+// Returns the variance of the mean of a pixel's paths, by brightness.
+fn mean_variance(sum: Brought, mean: f32) -> f32 {
+    let count = f32(sum.paths);
+    let squares = sum.squares + sum.newest * sum.newest;
+    return max(squares / count - mean * mean, 0.0) / (count - 1.0);
+}
+
+// Returns whether two primitives of a component have nearly the same normal. The sign does not matter, since two
+// visible neighbours are seen from the same side.
+fn is_alike(slot: u32, other: u32) -> bool {
+    if slot == other { return true; }
+    if other == MISS { return false; }
+    return abs(dot(plain_normal(slot), plain_normal(other))) >= LIKE_NORMAL;
+}
+
+fn plain_normal(slot: u32) -> vec3f {
+    let primitive = primitive_at(slot);
+    let sides = cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a));
+    return normalize(largest_one(sides));
+}
