@@ -119,8 +119,7 @@ impl<'a> Driver<'a> {
         Workgroups::Number(match launch {
             Launch::Pixels => self.workgroups(rows, [block, block]),
             Launch::Runs(pixels) => self.workgroups(rows, [pixels, 1]),
-            Launch::Tiles => self.workgroups(rows, [layout::TILE, layout::TILE]),
-            Launch::WideTiles => self.workgroups(rows, [layout::WIDE_TILE, layout::WIDE_TILE]),
+            Launch::Tiles | Launch::WideTiles | Launch::EachTile => self.tiles(rows, launch),
             Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],
             Launch::Number(workgroups) => workgroups,
             Launch::Once => [1, 1, 1],
@@ -178,10 +177,9 @@ impl Driver<'_> {
         let rows = self.targets.shape.bands.rows;
         let block = self.variant.traversal.rays.block();
         let mut heads = [layout::EMPTY_LIST; layout::HEADS + layout::PATH_HEADS];
-        let tile = if plan.wide { layout::WIDE_TILE } else { layout::TILE };
-        for (head, block) in [(layout::TO_SEARCH, tile), (layout::ALL_TRACED, block)] {
-            heads[head as usize][..3].copy_from_slice(&self.workgroups(rows, [block, block]));
-        }
+        let mut fill = |head: u32, workgroups: [u32; 3]| heads[head as usize][..3].copy_from_slice(&workgroups);
+        fill(layout::TO_SEARCH, self.tiles(rows, plan.search.launch()));
+        fill(layout::ALL_TRACED, self.workgroups(rows, [block, block]));
         heads
     }
 
@@ -344,6 +342,15 @@ impl Driver<'_> {
                 let begin = row * u64::from(first);
                 encoder.copy_buffer_to_buffer(from, begin, to, begin, Some(row * u64::from(rows)));
             }
+        }
+    }
+
+    /// Returns the workgroups of a launch over the tiles of this many rows.
+    fn tiles(&self, rows: u32, launch: Launch) -> [u32; 3] {
+        match launch {
+            Launch::EachTile => [self.targets.shape.size[0].div_ceil(layout::TILE), rows.div_ceil(layout::TILE), 1],
+            Launch::WideTiles => self.workgroups(rows, [layout::WIDE_TILE, layout::WIDE_TILE]),
+            _ => self.workgroups(rows, [layout::TILE, layout::TILE]),
         }
     }
 

@@ -32,8 +32,8 @@ pub(crate) struct Plan {
     pub(crate) bits: ShadowReuse,
     /// Whether source samples are kept for reuse.
     pub(crate) samples: bool,
-    /// Whether `bracket` searches four tiles at once, as it does with several samples per pixel.
-    pub(crate) wide: bool,
+    /// How `bracket` searches tiles.
+    pub(crate) search: Search,
     /// Whether some step reads the rows above and below a band, for edges or blocks of samples.
     pub(crate) reaches: bool,
     /// How each view was made.
@@ -42,6 +42,36 @@ pub(crate) struct Plan {
     pub(crate) sources: Vec<usize>,
     /// How each view is traced in steps, so that no adapter's limit on a thread's loop rounds ends the work early.
     pub(crate) in_steps: Vec<InSteps>,
+}
+
+/// How `bracket` searches tiles. All forms list the same primitives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Search {
+    /// One thread per tile.
+    Alone,
+    /// One thread per four tiles, for several samples per pixel.
+    Wide,
+    /// One workgroup per tile. A GPU needs more threads than a picture has tiles.
+    Together,
+}
+
+impl Search {
+    /// Returns the form for a number of samples per pixel. `together` is set on adapters with many threads.
+    pub(crate) fn of(together: bool, samples: u32) -> Self {
+        match (together, samples) {
+            (true, _) => Self::Together,
+            (false, 1) => Self::Alone,
+            (false, _) => Self::Wide,
+        }
+    }
+
+    pub(crate) fn launch(self) -> Launch {
+        match self {
+            Self::Alone => Launch::Tiles,
+            Self::Wide => Launch::WideTiles,
+            Self::Together => Launch::EachTile,
+        }
+    }
 }
 
 /// Steps of a view that is traced in several dispatches.
@@ -99,6 +129,8 @@ pub(crate) enum Launch {
     Tiles,
     /// One thread per four tiles of the band.
     WideTiles,
+    /// One workgroup per tile of the band.
+    EachTile,
     /// One thread per row of the band.
     Rows,
     /// This number of workgroups, whatever the band's size is.

@@ -13,8 +13,8 @@ use crate::{
 
 pub(super) const PROMISE: Promise = Promise { bits: ShadowReuse::Two, samples: true, ..Promise::of(Made::Chosen) };
 
-pub(super) fn stages(Target { view, soft, wide, .. }: Target) -> Vec<Stage> {
-    vec![Stage::Steps(bracket::or_traced(view, soft, wide))]
+pub(super) fn stages(Target { view, soft, search, .. }: Target) -> Vec<Stage> {
+    vec![Stage::Steps(bracket::or_traced(view, soft, search))]
 }
 
 /// The choice of [`Method::Auto`] and its reasons.

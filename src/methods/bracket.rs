@@ -12,6 +12,6 @@ pub(super) fn promise(bits: ShadowReuse) -> Promise {
     Promise { bits, samples: true, reaches: bits == ShadowReuse::Block, ..Promise::of(Made::Bracketed) }
 }
 
-pub(super) fn stages(Target { view, soft, wide, .. }: Target, bits: ShadowReuse) -> Vec<Stage> {
-    vec![Stage::Steps([bracket::bound(view, bits), bracket::resolve(view, soft, wide)].concat())]
+pub(super) fn stages(Target { view, soft, search, .. }: Target, bits: ShadowReuse) -> Vec<Stage> {
+    vec![Stage::Steps([bracket::bound(view, bits), bracket::resolve(view, soft, search)].concat())]
 }

@@ -10,7 +10,7 @@ mod sweep;
 
 use crate::{
     Method, ShadowReuse,
-    frame::plan::{InSteps, Made, Plan, Stage, targets},
+    frame::plan::{InSteps, Made, Plan, Search, Stage, targets},
     steps::{
         mirrors,
         paths::{self, Paths},
@@ -30,8 +30,8 @@ pub(crate) struct Views<'a> {
     pub(crate) paths: Option<Paths>,
     /// Number of parts in which soft light is sampled, or `None` without soft light.
     pub(crate) soft: Option<usize>,
-    /// Whether tiles are searched four at a time, as is done for several samples per pixel.
-    pub(crate) wide: bool,
+    /// How `bracket` searches tiles.
+    pub(crate) search: Search,
     /// Primitives to draw if a T-buffer finds the hits of traced views.
     pub(crate) drawn: Option<Drawn>,
 }
@@ -42,7 +42,7 @@ struct Target {
     view: usize,
     source: usize,
     soft: Option<usize>,
-    wide: bool,
+    search: Search,
     drawn: Option<Drawn>,
 }
 
@@ -69,7 +69,7 @@ impl Promise {
 
 /// Returns the plan of a method.
 pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
-    let Views { sources, mirrors, paths, soft, wide, drawn } = *views;
+    let Views { sources, mirrors, paths, soft, search, drawn } = *views;
     let Promise { made, bits, samples, reaches, follows } = promise(method, drawn.is_some());
     let behind = |view| if mirrors { mirrors::of(view) } else { Vec::new() };
     let all = 0..sources.len();
@@ -78,7 +78,7 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
     let traced = traced.flat_map(|view| [source(view), behind(view)].concat()).collect();
     let mut stages = vec![Stage::Steps(traced)];
     for (view, source) in targets(sources) {
-        stages.extend(stages_of(method, Target { view, source, soft, wide, drawn }));
+        stages.extend(stages_of(method, Target { view, source, soft, search, drawn }));
         if follows {
             stages.push(Stage::Steps(behind(view)));
         }
@@ -101,7 +101,7 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
             .concat(),
     });
     let in_steps = in_steps.collect();
-    Plan { stages: joined(stages), bits, samples, wide, reaches, made, sources: sources.to_vec(), in_steps }
+    Plan { stages: joined(stages), bits, samples, search, reaches, made, sources: sources.to_vec(), in_steps }
 }
 
 fn promise(method: Method, drawn: bool) -> Promise {

@@ -10,7 +10,7 @@ use crate::{
         Band, Bands,
         driver::{Driver, Engine, Setting},
         lanes::Steps,
-        plan::{Made, Plan},
+        plan::{Made, Plan, Search},
         read::{Counts, Ids, ReadBack},
         targets::{Shape, Targets, Used},
         uniforms::{Part, Uniforms},
@@ -231,7 +231,7 @@ impl Renderer {
             paths: Paths::of(options, scene.soft.parts(options).len())
                 .filter(|_| scene.variant.has_tree() || scene.variant.planes > 0),
             soft,
-            wide: options.samples > 1,
+            search: Search::of(self.searches_together, options.samples),
             drawn,
         };
         let plan = methods::plan(chosen, &views);

@@ -37,6 +37,8 @@ pub struct Renderer {
     pub(crate) band_pixels: u32,
     /// Number of runs that rows of workgroups are divided into (`launched_row` of shaders/shared/pixels.wgsl).
     pub(crate) runs: u32,
+    /// Whether `bracket` searches each tile by a workgroup. A thread per tile would leave most of a GPU idle.
+    pub(crate) searches_together: bool,
     pub(crate) steps: Steps,
     /// Completed once the warning about a scene far from its origin was logged.
     pub(crate) rounding_warned: Once,
@@ -65,6 +67,7 @@ impl Renderer {
             timestamps: Timestamps::new(&gpu),
             band_pixels: frame::band_pixels(&gpu),
             runs: gpu.threads(),
+            searches_together: gpu.adapter_info().device_type != wgpu::DeviceType::Cpu,
             steps: Steps::default(),
             rounding_warned: Once::new(),
             toe_in_warned: Once::new(),

@@ -9,7 +9,7 @@ use crate::{
     frame::{
         Bands,
         driver::{Driver, Setting},
-        plan::Stage,
+        plan::{Search, Stage},
         targets::Shape,
         wanted::{Mask, Part, Wanted},
     },
@@ -96,8 +96,40 @@ fn every_traversal_gives_the_same_pair() {
             pair.statistics = Statistics::default();
             pair
         }));
+        let info = renderer(USUAL).gpu.adapter_info().clone();
+        // Other adapters contract operations of one kernel and not of another.
+        let is_exact = info.device_type == wgpu::DeviceType::Cpu && info.backend == wgpu::Backend::Vulkan;
         for (traversal, pair) in Traversal::ALL.iter().zip(&pairs) {
-            assert_eq!(*pair, pairs[0], "{builtin} {traversal:?}");
+            let differing = pair.right.primitive.iter().zip(&pairs[0].right.primitive).filter(|(a, b)| a != b).count();
+            assert!(differing * 100 <= pair.right.primitive.len(), "{builtin} {traversal:?}: {differing}");
+            assert!(!is_exact || *pair == pairs[0], "{builtin} {traversal:?}");
+        }
+    }
+}
+
+#[test]
+fn a_tile_searched_by_a_workgroup_has_the_lists_of_one_searched_by_a_thread() {
+    let rendered = |builtin: crate::scene::builtin::Builtin, method: Method, searches_together: bool| {
+        let mut renderer = renderer(USUAL);
+        renderer.searches_together = searches_together;
+        let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
+        let camera = builtin.camera(165, 100);
+        let options = Options::new(method).count(true).cost_map(true);
+        let mut pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
+        pair.statistics.times = None;
+        pair
+    };
+    // Tiles that are given up are not searched in the same order to the end.
+    let cost = |pair: &crate::StereoPair| pair.statistics.right.cost() as f64;
+    for name in ["hall", "spheres", "fence", "near", "grazing", "random-1000"] {
+        let builtin = name.parse().unwrap();
+        for method in [Method::BRACKET, Method::Auto] {
+            let [together, alone] = [true, false].map(|together| rendered(builtin, method, together));
+            assert!((cost(&together) / cost(&alone) - 1.0).abs() < 0.02, "{name}, {method}");
+            assert_eq!(together.statistics.right.rays, alone.statistics.right.rays, "{name}, {method}");
+            let views =
+                |pair: crate::StereoPair| (pair.left.rgba8, pair.right.rgba8, pair.right.primitive, pair.source);
+            assert!(views(together) == views(alone), "{name}, {method}");
         }
     }
 }
@@ -119,7 +151,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
             mirrors: false,
             paths: None,
             soft: None,
-            wide: false,
+            search: Search::Alone,
             drawn: None,
         };
         let mut plan = methods::plan(method, &views);

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     ShadowReuse,
-    frame::plan::{Launch, Step},
+    frame::plan::{Launch, Search, Step},
     kernel::layout::{BUSY_RUN, SKY, TILE, TO_LIGHT, TO_RESOLVE, TO_SEARCH, TO_TRACE},
     kernel::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
 };
@@ -18,6 +18,8 @@ pub(crate) const MARK_BUSY: Kernel = kernel!("bracket", "mark_busy", Role::MarkB
 pub(crate) const SEARCH_TILES: Kernel = kernel!("bracket", "search_tiles", Role::Hits(Hits::Tiles));
 /// Searches four tiles at once, for several samples per pixel.
 pub(crate) const SEARCH_WIDE_TILES: Kernel = kernel!("bracket", "search_wide_tiles", Role::Hits(Hits::Tiles));
+/// Searches each tile by a workgroup, on GPUs.
+pub(crate) const SEARCH_TILES_TOGETHER: Kernel = kernel!("bracket", "search_tiles_together", Role::Hits(Hits::Tiles));
 pub(crate) const RESOLVE_TILES: Kernel = kernel!("bracket", "resolve_tiles", Role::Hits(Hits::Tiles));
 pub(crate) const SHADE_SKY: Kernel = kernel!("bracket", "shade_sky", Role::Shade(Shading::Sky));
 pub(crate) const TRACE_BOUNDED: Kernel = Kernel { name: "trace_bounded", ..TRACE_LISTED };
@@ -38,13 +40,17 @@ pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {
 
 /// Returns the steps that find primary visibility, by tiles and rays, and shade the hits. Shadow rays determine unknown
 /// visibility bits.
-pub(crate) fn resolve(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
-    let launch = if wide { Launch::WideTiles } else { Launch::Tiles };
-    [vec![Step::EmptyLists, step(search(wide), view, launch)], resolve_listed(view, soft)].concat()
+pub(crate) fn resolve(view: usize, soft: Option<usize>, search: Search) -> Vec<Step> {
+    let steps = vec![Step::EmptyLists, step(kernel_of(search), view, search.launch())];
+    [steps, resolve_listed(view, soft)].concat()
 }
 
-fn search(wide: bool) -> &'static Kernel {
-    if wide { &SEARCH_WIDE_TILES } else { &SEARCH_TILES }
+fn kernel_of(search: Search) -> &'static Kernel {
+    match search {
+        Search::Alone => &SEARCH_TILES,
+        Search::Wide => &SEARCH_WIDE_TILES,
+        Search::Together => &SEARCH_TILES_TOGETHER,
+    }
 }
 
 fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
@@ -61,8 +67,8 @@ fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
 
 /// Returns the steps of [`bound`] and [`resolve`], and the steps that trace the whole view. Each band runs the choice
 /// that is predicted to cost less. Steps of the other choice launch nothing, or their lists are empty.
-pub(crate) fn or_traced(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
+pub(crate) fn or_traced(view: usize, soft: Option<usize>, search: Search) -> Vec<Step> {
     let choose = vec![Step::EmptyLists, step(&CHOOSE, view, Launch::Once)];
-    let search = vec![step(search(wide), view, Launch::Listed(Lists, TO_SEARCH))];
+    let search = vec![step(kernel_of(search), view, Launch::Listed(Lists, TO_SEARCH))];
     [bound(view, ShadowReuse::Two), choose, search, resolve_listed(view, soft), trace::chosen(view, soft)].concat()
 }

@@ -4,7 +4,7 @@
 use crate::common;
 use crate::truth;
 
-use common::{random::Random, renderer};
+use common::{is_exact, random::Random, renderer};
 use stereotrace::{
     Ellipsoid, Light, Material, MaterialId, Mesh, Method, Options, PixelSource, Scene, Sky, Sphere, StereoCamera,
     StereoPair, View,
@@ -19,7 +19,8 @@ const HEIGHT: u32 = 150;
 
 /// Maximum share of the ground's pixels with a wrong colour, and maximum relative error of a depth.
 const WRONG_SHARE: f64 = 1e-3;
-const DEPTH_ERROR: f64 = 1e-5;
+/// The second is for adapters that contract operations: 1.06e-5 on an NVIDIA H200.
+const DEPTH_ERROR: [f64; 2] = [1e-5, 1.5e-5];
 /// Smallest sine of the angle between ray and tilted ground for which the depth bound holds. Rounding a unit normal to
 /// f32 moves a hit by up to some 1e-7 of its depth over that sine. At smaller sines, the bound grows in the same way.
 const GRAZING: f64 = 0.02;
@@ -241,16 +242,20 @@ fn faults(ground: Ground, judge: impl Fn(&Judged) -> Option<String>, boxes: bool
     faults
 }
 
+fn most_depth_error() -> f64 {
+    DEPTH_ERROR[usize::from(!is_exact(&renderer()))]
+}
+
 /// Checks a level floor, whose normal is not rounded, or a sphere. Depths are within the bound at grazing angles too.
 fn exact(judged: &Judged) -> Option<String> {
-    let good = judged.depth_error <= DEPTH_ERROR;
+    let good = judged.depth_error <= most_depth_error();
     within(judged).or_else(|| (!good).then(|| format!("{judged:?}")))
 }
 
 /// Checks that a floor's colours, depths and parallaxes are within the bounds.
 fn within(judged: &Judged) -> Option<String> {
     let good = judged.wrong_share() <= WRONG_SHARE
-        && judged.scaled_depth_error <= DEPTH_ERROR
+        && judged.scaled_depth_error <= most_depth_error()
         && judged.parallax_error <= 0.01;
     (!good).then(|| format!("{judged:?}"))
 }

@@ -204,7 +204,7 @@ fn methods_that_agree_without_jitter_agree_with_it() {
                 [Method::Naive, Method::BRACKET_RAYS, Method::ES_ISLER, Method::ADELSON_HODGES].map(&mut of);
             for view in 0..4 {
                 assert!(!exact || naive[view] == rays[view], "{samples}, view {view}");
-                assert!(scanline[view] == sequential[view], "{samples}, view {view}");
+                assert!(!exact || scanline[view] == sequential[view], "{samples}, view {view}");
             }
         }
     }

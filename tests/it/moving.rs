@@ -2,10 +2,10 @@
 
 use crate::common;
 
-use common::{ball, gpu, renderer, renderer_by};
+use common::{ball, gpu, own_gpu, renderer, renderer_by};
 use stereotrace::{
-    Boxes, BvhBuild, Error, Fetch, Gpu, Light, Material, MaterialId, Mesh, Method, Options, RaysPerLane, Renderer,
-    Scene, Sky, SkyMap, Sphere, StereoCamera, Traversal, Update,
+    Boxes, BvhBuild, Error, Fetch, Light, Material, MaterialId, Mesh, Method, Options, RaysPerLane, Renderer, Scene,
+    Sky, SkyMap, Sphere, StereoCamera, Traversal, Update,
     blocking::Wait,
     glam::{Affine3A, Quat, Vec3},
 };
@@ -274,7 +274,7 @@ fn what_is_wrong_with_a_scene_or_its_device_is_said_by_an_update_too() {
     let renderer = renderer();
     let mut scene = scene();
     let mut uploaded = renderer.upload(&scene).wait().unwrap();
-    let other = Renderer::new(Gpu::open("software").wait().unwrap());
+    let other = Renderer::new(own_gpu());
     assert!(matches!(other.update(&mut uploaded, &scene, Update::Refit).wait(), Err(Error::ForeignScene)));
     scene.lights[0].intensity.x = f32::NAN;
     for how in [Update::Refit, Update::Rebuild(BvhBuild::Fast)] {

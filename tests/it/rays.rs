@@ -130,15 +130,23 @@ fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
         // Rays go through middles, corners and edges. At a corner a ray touches the corner of a box.
         let targets = scene.triangles().iter().flat_map(|triangle| {
             let [a, b, c] = triangle.corners;
-            [(a + b + c) / 3.0, a, b, 0.5 * (a + b), 0.5 * (b + c)]
+            let middle = ((a + b + c) / 3.0, true);
+            [middle, (a, false), (b, false), (0.5 * (a + b), false), (0.5 * (b + c), false)]
         });
-        let rays: Vec<Ray> = cases(targets, 3).into_iter().map(|target| Ray::new(eye, target - eye)).collect();
+        let targets: Vec<(Vec3, bool)> = cases(targets, 3);
+        let rays: Vec<Ray> = targets.iter().map(|(target, _)| Ray::new(eye, target - eye)).collect();
         let expected: Vec<u32> = rays.iter().map(|ray| closest_hit(&scene, eye, ray.direction, 0.0, FAR).1).collect();
         for &traversal in Traversal::ALL {
             let renderer = renderer_by(traversal);
             let uploaded = renderer.upload(&scene).wait().unwrap();
             let found = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
-            let lost = found.iter().zip(&expected).filter(|(hit, id)| hit.primitive == MISS && **id != MISS).count();
+            let lost = |(index, (hit, id)): (usize, (&stereotrace::RayHit, &u32))| {
+                // Where adapters contract operations, a ray to the border of the sheet may miss it. Rays to the
+                // middles of triangles may not.
+                let counts = is_exact(&renderer) || targets[index].1;
+                counts && hit.primitive == MISS && *id != MISS
+            };
+            let lost = found.iter().zip(&expected).enumerate().filter(|&pair| lost(pair)).count();
             assert_eq!(lost, 0, "{traversal:?}, scale {scale}, offset {offset}, far off {far_off}");
             if is_exact(&renderer) {
                 let differing = found.iter().zip(&expected).filter(|(hit, id)| hit.primitive != **id).count();

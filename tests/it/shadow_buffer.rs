@@ -5,7 +5,7 @@ use crate::common;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use common::{cases, gpu, renderer};
+use common::{cases, gpu, is_exact, renderer};
 use stereotrace::{
     Adaptive, Builtin, BvhBuild, Error, Light, Material, Mesh, Method, Options, RaysPerLane, Renderer, Rig, Scene,
     ShadowBuffer, ShadowRule, Sphere, StereoCamera, StereoPair, Traversal, Update, View,
@@ -363,7 +363,10 @@ fn which_points_share_a_lane_changes_no_picture() {
             .wait()
             .unwrap()
     });
-    assert_eq!((differing(&alone.left, &together.left), differing(&alone.right, &together.right)), (0, 0));
+    // Other adapters round the two kernels differently: one pixel of 245,000 on an NVIDIA H200.
+    let most = if is_exact(&Renderer::new(gpu)) { 0 } else { 5 };
+    let differing = differing(&alone.left, &together.left) + differing(&alone.right, &together.right);
+    assert!(differing <= most, "{differing}");
 }
 
 /// A change of a scene, with its name and the kind of update.

@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{ball, random::Random, renderer};
+use common::{ball, is_exact, random::Random, renderer};
 use stereotrace::{
     FAR, Light, MISS, Mesh, Method, Options, Ray, Scene, StereoCamera,
     blocking::Wait,
@@ -54,7 +54,10 @@ fn rays_that_meet_all_of_thirty_thousand_triangles_find_the_first() {
         for (view, eye) in [(&pair.left, Eye::Left), (&pair.right, Eye::Right)] {
             let expected = searched(&scene, &frame, eye);
             assert!(expected.iter().filter(|&&id| id != MISS).count() > 60);
-            assert_eq!(view.primitive, expected, "{method} {eye:?}");
+            // Where adapters contract operations, of two triangles a few ulps apart either may be the first.
+            let differing = view.primitive.iter().zip(&expected).filter(|(a, b)| a != b).count();
+            let most = if is_exact(&renderer) { 0 } else { expected.len() / 20 };
+            assert!(differing <= most, "{method} {eye:?}: {differing} of {}", expected.len());
         }
     }
 }
@@ -69,7 +72,9 @@ fn rays_of_a_list_meet_all_of_sixty_thousand_triangles() {
     let rays: Vec<Ray> = (0..37).map(|_| Ray::new(origin, random.point(1.0) - 3.0 * Vec3::Z)).collect();
     let closest = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
     for (ray, hit) in rays.iter().zip(&closest) {
-        assert_eq!(hit.primitive, closest_hit(&scene, origin, ray.direction, 0.0, FAR).1);
+        let (t, primitive) = closest_hit(&scene, origin, ray.direction, 0.0, FAR);
+        let is_near = !is_exact(&renderer) && (hit.t - t).abs() <= 1e-6 * t;
+        assert!(hit.primitive == primitive || is_near, "{hit:?} for {primitive} at {t}");
     }
     let farthest = closest.iter().map(|hit| hit.t).filter(|t| t.is_finite()).fold(0.0, f32::max);
     let past: Vec<Ray> = rays.iter().map(|ray| ray.t_min(2.0 * farthest)).collect();

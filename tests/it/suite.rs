@@ -4,12 +4,13 @@ use std::collections::HashSet;
 
 use stereotrace::{Method, StereoPair, testing::suite::Trial};
 
-use crate::common::render;
+use crate::common::{is_exact, render, renderer};
 
-/// Maximum percentage of pixels in which a scene may differ at a thousandth and at a million times its size. Edges that
-/// run through pixels' centres (where the floor meets the wall, between bricks) may fall to either side. On llvmpipe it
-/// was 0.22% of the left view and 0.36% of the right view.
-const SCALED_PERCENT: f64 = 0.6;
+/// Maximum percentage of pixels, on llvmpipe and elsewhere, in which a scene may differ at a thousandth and at a
+/// million times its size. Edges that run through pixels' centres (where the floor meets the wall, between bricks) may
+/// fall to either side. On llvmpipe it was 0.22% of the left view and 0.36% of the right view; on an NVIDIA H200, 0.57%
+/// and 0.69%.
+const SCALED_PERCENT: [f64; 2] = [0.6, 1.0];
 
 fn naive(trial: Trial, width: u32, height: u32) -> StereoPair {
     render(&trial.scene(), &trial.camera(width, height), Method::Naive)
@@ -66,7 +67,8 @@ fn a_scene_looks_the_same_at_every_scale() {
         let differing = small.rgba8.iter().zip(&large.rgba8).filter(|(a, b)| a != b).count();
         100.0 * differing as f64 / small.rgba8.len() as f64
     });
-    assert!(percents.iter().all(|&percent| percent <= SCALED_PERCENT), "{percents:.3?} % of the views' pixels differ");
+    let most = SCALED_PERCENT[usize::from(!is_exact(&renderer()))];
+    assert!(percents.iter().all(|&percent| percent <= most), "{percents:.3?} % of the views' pixels differ");
 }
 
 #[test]

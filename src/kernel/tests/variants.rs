@@ -16,8 +16,8 @@ use crate::{
     },
     steps::{
         bracket::{
-            BOUND_TILES, CHOOSE, MARK_BUSY, RESOLVE_TILES, SEARCH_TILES, SEARCH_WIDE_TILES, SHADE_LISTED, SHADE_SKY,
-            SHADE_TILES, TRACE_BOUNDED,
+            BOUND_TILES, CHOOSE, MARK_BUSY, RESOLVE_TILES, SEARCH_TILES, SEARCH_TILES_TOGETHER, SEARCH_WIDE_TILES,
+            SHADE_LISTED, SHADE_SKY, SHADE_TILES, TRACE_BOUNDED,
         },
         edges::MARK_EDGES,
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
@@ -31,7 +31,7 @@ use crate::{
     view::rig::Projection,
 };
 
-pub(super) const ALL: [&Kernel; 59] = [
+pub(super) const ALL: [&Kernel; 60] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &BEGIN_PATHS,
@@ -49,6 +49,7 @@ pub(super) const ALL: [&Kernel; 59] = [
     &CHOOSE,
     &SEARCH_TILES,
     &SEARCH_WIDE_TILES,
+    &SEARCH_TILES_TOGETHER,
     &TRACE_BOUNDED,
     &RESOLVE_TILES,
     &SHADE_LISTED,

@@ -61,7 +61,7 @@ fn a_picture_over_the_device_s_limits_is_an_error_that_names_the_limit() {
     let uploaded = renderer.upload(&Builtin::Spheres.scene()).wait().unwrap();
     let (camera, options) = (Builtin::Hall.camera(8193, 1024), Options::new(Method::BRACKET));
     let message = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err().to_string();
-    assert!(message.starts_with("a picture 8193 pixels wide by bracket needs a texture of 8193x64"), "{message}");
+    assert!(message.starts_with("a picture 8193 pixels wide by bracket needs a texture of 8193x"), "{message}");
     assert!(message.contains("max_texture_dimension_2d is 8192"), "{message}");
 }
 
