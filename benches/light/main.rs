@@ -4,7 +4,8 @@
 //! Naive and bracket by both rules of `Penumbra` take turns in one run. Errors are distances from a converged picture
 //! of naive, in linear light, over several seeds. A surface of a region is matte, glossy or clear; `edges` are matte
 //! pixels beside which the converged light changes by more than 5%. `--samples`, `--seeds`, `--converged` and `--size`
-//! set the effort. Names select scenes: room, built-in ones, or folders of OBJ files.
+//! set the effort. Times cover the passes alone, so they do not include denoising.
+//! Names select scenes: room, built-in ones, or folders of OBJ files.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -142,12 +143,13 @@ fn emits(scene: &Scene) -> bool {
 }
 
 /// Returns the compared methods, with the ground truth first.
-fn methods(samples: u32) -> [(&'static str, Options); 3] {
+fn methods(samples: u32) -> [(&'static str, Options); 4] {
     let by = |method| Options::new(method).lighting(Lighting::Paths { bounces: BOUNCES, samples }).linear(true);
     [
         ("naive", by(Method::Naive)),
         ("bracket, exact", by(Method::BRACKET).penumbra(Penumbra::Exact)),
         ("bracket, shared", by(Method::BRACKET)),
+        ("denoised", by(Method::BRACKET).denoise(true)),
     ]
 }
 

@@ -264,6 +264,8 @@ impl Renderer {
     /// - ``lighting``: light that reaches surfaces by other surfaces: ``"direct"``, none but in mirrors and glass; or
     ///   ``"paths"``, ``"paths=SAMPLES"`` or ``"paths=SAMPLES:BOUNCES"``, global illumination by path tracing with 1 to
     ///   4096 paths per pixel (default 64) and 0 to 32 bounces (default 8). Default ``"direct"``.
+    /// - ``denoise``: whether to remove noise from light by paths, for pictures to look at. Not with ``adaptive``.
+    ///   Default ``False``.
     /// - ``bounces``: maximum number of reflections and refractions along a ray, 0 to 8. Default 5.
     /// - ``shadow_rays``: rays to each light that is not a point, 1 to 32. Default 16.
     /// - ``ambient_occlusion``: a tuple of rays, 1 to 32, and the radius for occluders in world units, above 0, such as

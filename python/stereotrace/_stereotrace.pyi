@@ -79,6 +79,8 @@ class RenderOptions(TypedDict, total=False):
     adaptive: Sequence[float] | None
     # Light by other surfaces: "direct", "paths", "paths=SAMPLES" or "paths=SAMPLES:BOUNCES". Default "direct".
     lighting: str
+    # Whether to remove noise from light by paths. Default False.
+    denoise: bool
     # Maximum number of reflections and refractions along a ray, 0 to 8. Default 5.
     bounces: int
     # Rays to each light that is not a point, 1 to 32. Default 16.

@@ -4,8 +4,9 @@
 // reads   brought       [height * width]
 // updates view          [height * width]   color
 // updates linear_color  [height * width]
+// writes  light_parts   [height * width]   if they are kept
 
-//! use camera, lane, linear, paths, pixels, scattering, view, wanted
+//! use camera, lane, light_parts, linear, paths, pixels, scattering, view, wanted
 
 var<storage, read> brought: array<Brought>;
 var<storage, read_write> view: array<Pixel>;
@@ -17,11 +18,15 @@ fn add_brought(@builtin(global_invocation_id) id: vec3u) {
     if !all_rays(wanted) { return; }
     let index = pixel_index(pixel_of_ray(pixels, 0u));
     let sum = brought[index];
-    if sum.paths == 0u && sum.is_known == 0u { return; }
+    if sum.paths == 0u && sum.is_known == 0u {
+        keep_no_parts(index, linear_color[index].xyz);
+        return;
+    }
     let vertex = vertex_at(rays_of(pixels), target_hits(pixels, wanted));
     let share = 1.0 / f32(max(sum.paths, 1u));
-    let direct = linear_color[index].xyz * vertex.lobes.opacity;
+    let rest = linear_color[index].xyz * vertex.lobes.opacity;
     let diffuse = sum.diffuse * select(share, 1.0, sum.is_known == 1u);
-    let color = direct + vertex.lobes.diffuse * diffuse + sum.glossy * share;
+    let color = rest + vertex.lobes.diffuse * diffuse + sum.glossy * share;
     keep_colors(pixels, wanted, all3(color));
+    keep_parts(index, vertex, sum, rest);
 }

@@ -47,18 +47,13 @@ fn take_light(pixel: vec2u, index: u32, seen: Pixel) -> bool {
     if before.paths < 2u || after.paths < 2u { return false; }
     let a = luminance(before.diffuse) / f32(before.paths);
     let b = luminance(after.diffuse) / f32(after.paths);
-    let chance = frame.paths.tolerance * sqrt(mean_variance(before, a) + mean_variance(after, b));
+    let variances = vec2f(mean_variances(before).x, mean_variances(after).x);
+    let chance = frame.paths.tolerance * sqrt(variances.x + variances.y);
     if abs(a - b) > max(chance, NEARLY_EQUAL * 0.5 * (a + b)) { return false; }
     brought[index].diffuse = mix(before.diffuse / f32(before.paths), after.diffuse / f32(after.paths), at.way);
+    brought[index].newest.x = mix(variances.x, variances.y, at.way);
     brought[index].is_known = 1u;
     return true;
-}
-
-// Returns the variance of the mean of a pixel's paths, by brightness.
-fn mean_variance(sum: Brought, mean: f32) -> f32 {
-    let count = f32(sum.paths);
-    let squares = sum.squares + sum.newest * sum.newest;
-    return max(squares / count - mean * mean, 0.0) / (count - 1.0);
 }
 
 // Returns whether two primitives of a component have nearly the same normal. The sign does not matter, since two

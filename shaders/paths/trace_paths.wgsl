@@ -43,9 +43,10 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3u) {
     light *= path.weight;
     if path.is_diffuse == 1u {
         brought[index].diffuse += light;
-        brought[index].newest += luminance(light);
+        brought[index].newest.x += luminance(light);
     } else {
         brought[index].glossy += light;
+        brought[index].newest.y += luminance(light);
     }
     count_pixel(pixel);
     count_view(pixel.y, light_rays, nodes_visited, primitives_tested);

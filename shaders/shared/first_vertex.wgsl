@@ -23,10 +23,12 @@ fn begin_path(pixels: Pixels) {
     brought[index].paths = before.paths + 1u;
     if !is_known {
         brought[index].diffuse = before.diffuse + sent.diffuse;
-        brought[index].squares = before.squares + before.newest * before.newest;
-        brought[index].newest = luminance(sent.diffuse);
+        brought[index].squares.x = before.squares.x + before.newest.x * before.newest.x;
+        brought[index].newest.x = luminance(sent.diffuse);
     }
     brought[index].glossy = before.glossy + sent.glossy;
+    brought[index].squares.y = before.squares.y + before.newest.y * before.newest.y;
+    brought[index].newest.y = luminance(sent.glossy);
     let way = scattered(vertex, random_point(PAIR_LOBE).x, random_point(PAIR_DIRECTION));
     if way.side != 0.0 && !(is_known && way.is_diffuse) {
         paths.each[index].origin = leaving(vertex, way.side);

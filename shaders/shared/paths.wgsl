@@ -1,6 +1,6 @@
 // Paths of light, one per pixel of a band, and the light that they brought.
 
-//! use lists, pixels
+//! use display, lists, pixels
 
 //! if light is paths
 struct Path {
@@ -27,10 +27,18 @@ struct Brought {
     diffuse: vec3f,      // irradiance over pi, for diffuse reflection
     paths: u32,          // number of paths
     glossy: vec3f,       // radiance that the surface reflects or transmits to the viewer
-    squares: f32,        // sum of the squared brightness that each path but the newest brought in `diffuse`
-    newest: f32,         // brightness that the newest path brought in `diffuse`
     is_known: u32,       // 1 if `diffuse` is a mean that is reused from another view
-    _pad: vec2u,
+    squares: vec2f,      // sums of the squared brightness that each path but the newest brought, diffuse and glossy
+    newest: vec2f,       // brightness that the newest path brought; if `diffuse` is known, its variance instead
+}
+
+// Returns the variances of the means of a pixel's paths, by brightness: diffuse and glossy.
+fn mean_variances(sum: Brought) -> vec2f {
+    if sum.paths < 2u { return vec2f(0.0); }
+    let count = f32(sum.paths);
+    let means = vec2f(luminance(sum.diffuse), luminance(sum.glossy)) / count;
+    let squares = sum.squares + sum.newest * sum.newest;
+    return max(squares / count - means * means, vec2f(0.0)) / (count - 1.0);
 }
 
 // Adds a path to the list of those whose ray of this number is not traced yet. Rays are counted from 1. The order of a

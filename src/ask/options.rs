@@ -57,6 +57,9 @@ pub struct Options {
     pub noise_by_view: bool,
     /// Light that reaches surfaces by other surfaces.
     pub lighting: Lighting,
+    /// Remove noise from the light of paths. Meant for pictures to look at, not for ground truth of light. It needs
+    /// whole pictures, so rows are not passed on as they finish, and frames cannot be encoded.
+    pub denoise: bool,
     /// Answer shadow queries to point lights by shadow-buffers; with `None`, the default, shadow rays are traced.
     pub shadow_buffer: Option<ShadowBuffer>,
 }
@@ -249,6 +252,7 @@ impl Options {
             tone: Tone::Clamp,
             noise_by_view: false,
             lighting: Lighting::Direct,
+            denoise: false,
             shadow_buffer: None,
         }
     }
@@ -400,6 +404,24 @@ impl Options {
     pub fn lighting(mut self, lighting: Lighting) -> Self {
         self.lighting = lighting;
         self
+    }
+
+    /// Sets whether noise is removed from the light of paths.
+    pub fn denoise(mut self, denoise: bool) -> Self {
+        self.denoise = denoise;
+        self
+    }
+
+    /// Checks whether a frame's light can be denoised, if it is to be. `whole` says whether whole pictures are made.
+    pub(crate) fn check_denoise(&self, whole: bool) -> Result<(), Error> {
+        let reason = match self.denoise {
+            false => return Ok(()),
+            true if !self.follows_paths() => "only light by paths (lighting) is denoised",
+            true if self.adaptive.is_some() => "pictures with adaptive samples are not denoised",
+            true if !whole => "it needs whole pictures, which rows and encoded frames are not",
+            true => return Ok(()),
+        };
+        Err(Error::Options { option: "denoise", reason: reason.into() })
     }
 
     pub(crate) fn follows_paths(&self) -> bool {

@@ -90,6 +90,13 @@ impl Setting {
             },
         },
         Self {
+            name: "denoise",
+            form: "BOOL",
+            about: "Remove noise from the light of paths (--lighting paths), for pictures to look at: true or false",
+            set: |options, text| put(&mut options.denoise, flag(text)),
+            get: |options| options.denoise.to_string(),
+        },
+        Self {
             name: "bounces",
             form: "N",
             about: "Maximum number of reflections and refractions along a ray: 0 to 8",
@@ -336,13 +343,14 @@ mod tests {
     use super::*;
 
     /// Two values of each setting: the default and another one.
-    const VALUES: [(&str, &str, &str); 18] = [
+    const VALUES: [(&str, &str, &str); 19] = [
         ("method", "auto", "buffer-8-edges"),
         ("samples", "1", "64"),
         ("adaptive", "off", "8.5:3"),
         ("filter", "box", "gauss"),
         ("jitter", "true", "false"),
         ("lighting", "direct", "paths=16:3"),
+        ("denoise", "false", "true"),
         ("bounces", "5", "0"),
         ("exposure", "0", "-1.5"),
         ("tone", "clamp", "filmic"),

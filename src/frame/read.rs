@@ -28,6 +28,8 @@ pub(crate) struct ReadBack {
     /// Whether pictures are read back, or only counters.
     pictures: bool,
     linear: bool,
+    /// Whether light is read back in parts.
+    parts: bool,
 }
 
 /// Parts of a view in the staging buffer.
@@ -39,17 +41,19 @@ enum Part {
     /// Slot of the primitive that was hit.
     Slot,
     Linear,
+    LightParts,
     Cost,
     Counters,
 }
 
 impl Part {
-    const ALL: [Self; 6] = [Self::Color, Self::Depth, Self::Slot, Self::Linear, Self::Cost, Self::Counters];
+    const ALL: [Self; 7] =
+        [Self::Color, Self::Depth, Self::Slot, Self::Linear, Self::LightParts, Self::Cost, Self::Counters];
 }
 
 impl ReadBack {
-    pub(crate) fn new(shape: Shape, linear: bool, pictures: bool) -> Self {
-        Self { shape, pictures, linear }
+    pub(crate) fn new(shape: Shape, [linear, parts]: [bool; 2], pictures: bool) -> Self {
+        Self { shape, pictures, linear, parts }
     }
 
     /// Returns the size of a part's row in bytes; 0 if the part is not requested.
@@ -61,6 +65,7 @@ impl ReadBack {
             Part::Depth if self.pictures && words > 1 => width * 4,
             Part::Slot if self.pictures && words > 2 => width * 4,
             Part::Linear if self.pictures && self.linear => width * 16,
+            Part::LightParts if self.pictures && self.parts => width * size_of::<layout::LightParts>() as u64,
             Part::Cost if self.pictures && self.shape.cost_map => width * 4,
             Part::Counters => layout::COUNTERS as u64 * 4,
             _ => 0,
@@ -105,6 +110,7 @@ impl ReadBack {
                     Part::Depth => ((Resource::Packed, 0), kept * row),
                     Part::Slot => ((Resource::Packed, 0), 2 * kept * row),
                     Part::Linear => ((Resource::Linear, view), 0),
+                    Part::LightParts => ((Resource::LightParts, view), 0),
                     Part::Cost => ((Resource::Counters, view), kept * layout::COUNTERS as u64 * 4),
                     Part::Counters => ((Resource::Counters, view), 0),
                 };
@@ -148,6 +154,8 @@ impl ReadBack {
             Made::Marked { .. } | Made::Bracketed => all(Part::Color).map(pixel_source).collect(),
         };
         let linear = self.part(bytes, band, view, Part::Linear).chunks_exact(16);
+        let parts = self.part(bytes, band, view, Part::LightParts).chunks_exact(size_of::<layout::LightParts>());
+        let parts = parts.map(bytemuck::pod_read_unaligned).collect();
         let marked = if made == Made::Bracketed { count } else { 0 };
         let shadow_source = all(Part::Color).take(marked).map(shadow_source_of).collect();
         let view = View {
@@ -160,7 +168,7 @@ impl ReadBack {
             primitive,
             cost: words(self.part(bytes, band, view, Part::Cost)),
         };
-        Some(ViewRows { view, source, shadow_source })
+        Some(ViewRows { view, source, shadow_source, parts })
     }
 }
 

@@ -1,7 +1,10 @@
 //! Rows of views, delivered as they finish.
 
 use super::targets::MOST_BYTES;
-use crate::{Error, GBuffer, Options, PixelSource, ShadowSource, View, message::counted, view::rig::Eyes};
+use crate::{
+    Error, GBuffer, Options, PixelSource, ShadowSource, View, kernel::layout::LightParts, message::counted,
+    view::rig::Eyes,
+};
 
 /// Callback that receives rows as they finish. Except on wasm32, it is `Send`, so that its frame can move to another
 /// thread.
@@ -32,6 +35,8 @@ pub struct ViewRows {
     pub source: Vec<PixelSource>,
     /// How each pixel's visibility bits were determined, row-major. Empty except for `bracket`.
     pub shadow_source: Vec<ShadowSource>,
+    /// Light of each pixel in parts, row-major; empty unless it is denoised.
+    pub(crate) parts: Vec<LightParts>,
 }
 
 impl ViewRows {
@@ -47,7 +52,7 @@ impl ViewRows {
             object: Vec::new(),
             cost: Vec::new(),
         };
-        Self { view, source: Vec::new(), shadow_source: Vec::new() }
+        Self { view, source: Vec::new(), shadow_source: Vec::new(), parts: Vec::new() }
     }
 
     /// Returns empty lists with capacity for all rows of each view.
@@ -59,10 +64,11 @@ impl ViewRows {
         let pixels = u64::from(width) * u64::from(height);
         let (depth, ids) = (options.g_buffer != GBuffer::None, options.g_buffer == GBuffer::Ids);
         // The sizes are bytes per pixel: 6 for colour and sources, then the requested parts.
-        let each: u64 = [(true, 6), (depth, 4), (ids, 8), (options.linear, 16), (options.cost_map, 4)]
-            .map(|(wanted, bytes)| if wanted { bytes } else { 0 })
-            .iter()
-            .sum();
+        let each: u64 =
+            [(true, 6), (depth, 4), (ids, 8), (options.linear, 16), (options.cost_map, 4), (options.denoise, 80)]
+                .map(|(wanted, bytes)| if wanted { bytes } else { 0 })
+                .iter()
+                .sum();
         let views = eyes.sources.len();
         let needed = pixels.saturating_mul(each).saturating_mul(views as u64);
         let refused = || Error::Limit {
@@ -128,7 +134,8 @@ impl ViewRows {
         };
         view.height = rows;
         let (source, shadow_source) = (below(&mut self.source, place), below(&mut self.shadow_source, place));
-        Self { view: below_it, source, shadow_source }
+        let parts = below(&mut self.parts, place);
+        Self { view: below_it, source, shadow_source, parts }
     }
 
     /// Appends other rows below these.
@@ -141,6 +148,7 @@ impl ViewRows {
             self.shadow_source.resize(pixels, ShadowSource::Traced);
         }
         self.source.append(&mut rows.source);
+        self.parts.append(&mut rows.parts);
         let (view, mut below) = (&mut self.view, rows.view);
         view.height += below.height;
         view.rgba8.append(&mut below.rgba8);

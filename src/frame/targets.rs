@@ -34,19 +34,22 @@ impl Resource {
             Self::SourceBrought => Some((Self::Brought, source)),
             Self::SourceSamples => Some((Self::KeptSamples, source)),
             Self::KeptSamples => Some((self, if view == source { view } else { UNREAD })),
-            Self::View | Self::Linear | Self::Bounds | Self::Counters | Self::Brought => Some((self, view)),
+            Self::View | Self::Linear | Self::Bounds | Self::Counters | Self::Brought | Self::LightParts => {
+                Some((self, view))
+            }
             Self::Packed | Self::Lists | Self::TBuffer | Self::Drawing | Self::Unfinished | Self::Paths => {
                 Some((self, 0))
             }
             Self::Frame | Self::Bvh | Self::Geometry | Self::Table | Self::ObjectTable => None,
             Self::Slots | Self::SecondSamples | Self::Wanted | Self::ShadowBuffers | Self::Picture => None,
             Self::Texels | Self::Steps | Self::RayList | Self::Found => None,
+            Self::NoisyLight | Self::SmoothLight | Self::Guides => None,
         }
     }
 
     /// Returns whether the resource is output rather than an intermediate.
     fn is_output(self) -> bool {
-        matches!(self, Self::View | Self::Packed | Self::Linear)
+        matches!(self, Self::View | Self::Packed | Self::Linear | Self::LightParts)
     }
 }
 
@@ -102,6 +105,7 @@ impl Shape {
             }
             Resource::Paths => layout::PATHS_HEADS + pixels.saturating_mul(size_of::<layout::Path>() as u64),
             Resource::Brought => pixels.saturating_mul(size_of::<layout::Brought>() as u64),
+            Resource::LightParts => pixels.saturating_mul(size_of::<layout::LightParts>() as u64),
             Resource::TBuffer => pixels.saturating_mul(8),
             Resource::Drawing => self.drawing_bytes,
             Resource::Unfinished => 4,

@@ -156,10 +156,47 @@ pub(crate) struct Brought {
     pub(crate) diffuse: [f32; 3],
     pub(crate) paths: u32,
     pub(crate) glossy: [f32; 3],
-    pub(crate) squares: f32,
-    pub(crate) newest: f32,
     pub(crate) is_known: u32,
+    pub(crate) squares: [f32; 2],
+    pub(crate) newest: [f32; 2],
+}
+
+/// `LightParts` of `shaders/shared/light_parts.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct LightParts {
+    pub(crate) diffuse: [f32; 3],
+    pub(crate) diffuse_variance: f32,
+    pub(crate) glossy: [f32; 3],
+    pub(crate) glossy_variance: f32,
+    pub(crate) albedo: [f32; 3],
+    pub(crate) normal: u32,
+    pub(crate) rest: [f32; 3],
+    pub(crate) point_x: f32,
+    pub(crate) point_y: f32,
+    pub(crate) point_z: f32,
     pub(crate) _pad: [u32; 2],
+}
+
+/// Octahedral normal of a pixel that shows no surface.
+pub(crate) const NO_NORMAL: u32 = 0x8000_8000;
+
+/// `Noisy` of shaders/shared/noisy.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Noisy {
+    pub(crate) diffuse: [f32; 3],
+    pub(crate) diffuse_variance: f32,
+    pub(crate) glossy: [f32; 3],
+    pub(crate) glossy_variance: f32,
+}
+
+/// `Guide` of shaders/shared/noisy.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Guide {
+    pub(crate) point: [f32; 3],
+    pub(crate) normal: u32,
 }
 
 /// `Mapping` of shaders/shared/frame.wgsl.

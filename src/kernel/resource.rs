@@ -47,6 +47,12 @@ resources! {
     Brought = "brought",
     /// Light that the paths of the source view brought.
     SourceBrought = "source_brought",
+    /// Light of the current view's pixels in parts.
+    LightParts = "light_parts",
+    /// Light of a strip of a picture before and after a pass of denoising, and the surfaces there.
+    NoisyLight = "noisy_light",
+    SmoothLight = "smooth_light",
+    Guides = "guides",
     /// The 3D buffer.
     Slots = "slots",
     /// Samples of the current view, for views that are made from it.

@@ -165,6 +165,8 @@ pub(crate) struct Variant {
     pub(crate) samples: bool,
     /// Whether views also query a second source.
     pub(crate) second: bool,
+    /// Whether light is kept in parts.
+    pub(crate) parts: bool,
     /// Whether linear colour is kept.
     pub(crate) linear: bool,
     /// Whether only the pixels in a mask are computed.
@@ -215,6 +217,7 @@ impl Variant {
         close: false,
         samples: false,
         second: false,
+        parts: false,
         linear: false,
         masked: false,
         jitter: 0,
@@ -339,6 +342,7 @@ impl Variant {
             sky: SkyKind::Constant,
             samples: false,
             second: false,
+            parts: false,
             linear: false,
             bits: ShadowReuse::Rays,
             shadow_buffer: None,

@@ -77,6 +77,7 @@ impl Renderer {
     ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
         scene.belongs_to(&self.gpu)?;
         options.check()?;
+        options.check_denoise(false)?;
         if options.samples_sky() {
             scene.weigh_sky().await?;
         }

@@ -117,7 +117,8 @@ impl Renderer {
         used.places.extend(wanted.pictures.then_some((Resource::Packed, 0)));
         let rows = wanted.rows(eyes.pose.size).len() as u32;
         let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn)), &used).await?;
-        let read_back = ReadBack::new(targets.shape, options.linear, wanted.pictures);
+        let parts = used.places.iter().any(|(resource, _)| *resource == Resource::LightParts);
+        let read_back = ReadBack::new(targets.shape, [options.linear, parts], wanted.pictures);
         let bytes = read_back.times_offset() + Timestamps::BYTES;
         // The staging buffers leave the cache while the frame is in progress. If a cancelled frame leaves a buffer
         // mapped, that buffer is not reused.
@@ -306,6 +307,7 @@ impl Renderer {
             occlusion_rays,
             sky_light: options.sky_rays.is_some(),
             paths: options.follows_paths(),
+            parts: options.denoise,
             shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
             casts: counting.casts || !(soft || options.follows_paths()),
             shadow_buffer: scene.casters().reading(options),

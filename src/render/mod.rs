@@ -3,6 +3,7 @@
 mod adaptive;
 mod builder;
 pub(crate) mod cast;
+pub(crate) mod denoise;
 mod encode;
 pub(crate) mod frame;
 pub(crate) mod pair;

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Filter, Jitter, Window};
+use super::{Filter, Jitter, Window, parts::PartSums};
 use crate::{
     Options, Tone, View,
     frame::{Rows, ViewRows},
@@ -50,6 +50,8 @@ struct Begun {
 struct Sums {
     colors: Vec<[f64; 3]>,
     costs: Vec<u32>,
+    /// Light in parts, if it is denoised.
+    parts: Vec<PartSums>,
 }
 
 impl Gather {
@@ -91,6 +93,7 @@ impl Gather {
             self.begin(sample, samples.views.len());
             for (view, samples) in samples.views.iter().enumerate() {
                 self.add_row(sample, view, &samples.view, row);
+                self.add_parts(sample, view, samples, row);
             }
             // Usually one row is complete. At the picture's last row of samples several rows are.
             while self.begun.front().is_some_and(|begun| begun.window.end() == sample + 1) {
@@ -109,7 +112,7 @@ impl Gather {
             if window.first > sample {
                 return;
             }
-            let sums = Sums { colors: vec![[0.0; 3]; width as usize], costs: Vec::new() };
+            let sums = Sums { colors: vec![[0.0; 3]; width as usize], costs: Vec::new(), parts: Vec::new() };
             self.begun.push_back(Begun { window, views: vec![sums; views] });
         }
     }
@@ -142,6 +145,25 @@ impl Gather {
         }
     }
 
+    /// Adds the light in parts of a row of a view's samples.
+    fn add_parts(&mut self, sample: u32, view: usize, samples: &ViewRows, row: u32) {
+        if samples.parts.is_empty() {
+            return;
+        }
+        let width = samples.view.width as usize;
+        let parts = &samples.parts[row as usize * width..][..width];
+        let columns = &self.columns[self.jitter.stratum(sample) as usize];
+        for begun in &mut self.begun {
+            let down = begun.window.weights[(sample - begun.window.first) as usize];
+            let sums = &mut begun.views[view].parts;
+            sums.resize(columns.len(), PartSums::default());
+            for (sum, window) in sums.iter_mut().zip(columns) {
+                let samples = parts[window.first as usize..].iter().zip(&window.weights);
+                samples.for_each(|(parts, across)| sum.add(parts, (down * across) as f32));
+            }
+        }
+    }
+
     /// Returns the data of the samples at pixel centres, or next to them, without colour and cost.
     fn picked(&self, first: u32, samples: &ViewRows) -> ViewRows {
         let (side, middle) = (self.side, self.side / 2);
@@ -165,7 +187,9 @@ impl Gather {
         let mut views = self.centres.take(rows, done[0].views.len(), self.size[0]);
         let centre_costs: Vec<_> = views.iter_mut().map(|rows| std::mem::take(&mut rows.view.cost)).collect();
         for sums in done.into_iter().map(|begun| begun.views) {
-            for (view, sums) in views.iter_mut().map(|rows| &mut rows.view).zip(sums) {
+            for (rows, sums) in views.iter_mut().zip(sums) {
+                rows.parts.extend(sums.parts.iter().map(PartSums::means));
+                let view = &mut rows.view;
                 let linear = sums.colors.iter().map(|color| color.map(|value| value as f32));
                 view.rgba8.extend(linear.clone().map(|color| self.tone.rgba8(color, self.exposure)));
                 if self.linear {

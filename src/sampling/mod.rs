@@ -3,6 +3,7 @@
 mod cells;
 mod gather;
 mod jitter;
+mod parts;
 
 pub(crate) use self::{
     cells::Cells,

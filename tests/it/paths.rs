@@ -434,6 +434,64 @@ fn a_view_takes_over_light_and_is_no_farther_from_the_converged_picture() {
     assert!(apart(&exact.right, &naive.right) < 0.01 && exact.left.linear == naive.left.linear);
 }
 
+/// Returns a floor, a wall and a ball, lit by a lamp and a constant sky.
+fn corner() -> Scene {
+    let mut scene = Scene::new();
+    square(&mut scene, Vec3::ZERO, [2.0 * Vec3::X, 2.0 * Vec3::Z], Material::new(Vec3::new(0.6, 0.5, 0.4)));
+    square(
+        &mut scene,
+        Vec3::new(0.0, 1.5, -2.0),
+        [2.0 * Vec3::X, 1.5 * Vec3::Y],
+        Material::new(Vec3::new(0.2, 0.6, 0.3)),
+    );
+    square(&mut scene, Vec3::new(0.0, 2.95, 0.0), [0.4 * Vec3::X, 0.4 * Vec3::Z], lamp(6.0));
+    let ball = scene.add_material(grey(0.7));
+    scene.add_sphere(Sphere::new(Vec3::new(-0.5, 0.5, 0.0), 0.5, ball)).unwrap();
+    scene
+}
+
+/// Tests that denoising brings both eyes nearer to the converged picture, with one and with several samples per pixel.
+/// The room is hard: half of the picture shows a mirror, glass and a veil. Measured: .47 to .50 of the error,
+/// and .79 to .89 in the room. Without jitter, since the seed changes it too.
+#[test]
+fn denoised_pictures_are_nearer_to_the_converged_picture() {
+    let mut renderer = renderer();
+    let camera = room_camera().size(120, 90);
+    for (name, scene, most) in [("corner", corner(), 0.55), ("room", room(), 0.95)] {
+        let mut scene = scene;
+        scene.sky = Sky::Constant(Vec3::splat(0.4));
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let mut pair = |options: &Options| renderer.pair(&uploaded, &camera).options(options).read().wait().unwrap();
+        for (samples, paths) in [(1, 8), (4, 8)] {
+            let converged = pair(&by_paths(512, 3).samples(samples).jitter(false).seed(1));
+            let noisy = pair(&by_paths(paths, 3).samples(samples).jitter(false));
+            let denoised = pair(&by_paths(paths, 3).samples(samples).jitter(false).denoise(true));
+            for (eye, [noisy, denoised, converged]) in [
+                ("left", [&noisy.left, &denoised.left, &converged.left]),
+                ("right", [&noisy.right, &denoised.right, &converged.right]),
+            ] {
+                let errors = [apart(noisy, converged), apart(denoised, converged)];
+                println!("{name}, {samples} samples, {eye}: {errors:.5?}, {:.3}", errors[1] / errors[0]);
+                assert!(errors[1] < most * errors[0], "{name}, {samples} samples, {eye}: {errors:?}");
+                assert!(noisy.depth == denoised.depth && noisy.primitive == denoised.primitive);
+            }
+        }
+    }
+    let uploaded = renderer.upload(&corner()).wait().unwrap();
+    let mut pair = |options: &Options| renderer.pair(&uploaded, &camera).options(options).read().wait().unwrap();
+    // The 8-bit picture is that of the linear colours.
+    let again = pair(&by_paths(8, 3).denoise(true).linear(false));
+    let first = pair(&by_paths(8, 3).denoise(true));
+    assert!(again.left.rgba8 == first.left.rgba8 && again.left.linear.is_empty());
+    let refused = |options: Options, renderer: &mut Renderer| {
+        renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err().to_string()
+    };
+    let message = refused(Options::new(Method::Naive).denoise(true), &mut renderer);
+    assert!(message.contains("denoise: only light by paths"), "{message}");
+    let rows = renderer.pair(&uploaded, &camera).options(&by_paths(8, 3).denoise(true)).rows(&mut |_| Ok(())).wait();
+    assert!(rows.unwrap_err().to_string().contains("whole pictures"));
+}
+
 #[test]
 fn a_bare_glass_ball_shows_the_sky_as_its_two_rays_do() {
     let mut renderer = renderer();

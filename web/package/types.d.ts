@@ -76,6 +76,8 @@ export interface RenderOptions {
     penumbra?: "exact" | "shared";
     /** Light by other surfaces: none but in mirrors and glass, or global illumination by paths per pixel and bounces. */
     lighting?: "direct" | "paths" | `paths=${number}` | `paths=${number}:${number}`;
+    /** Whether to remove noise from light by paths. Default false. */
+    denoise?: boolean;
     /** Whether each view has its own random numbers. Default false. */
     noiseByView?: boolean;
     /** How traced views find their closest hits. Default `"rays"`. */

@@ -3,7 +3,12 @@
 use std::mem::offset_of;
 
 use super::{variants::variants, *};
-use crate::{accel::facets, shadow_buffer::READ_TEXELS, steps::paths::TRACE_PATHS};
+use crate::{
+    accel::facets,
+    render::denoise::SMOOTH_LIGHT_ONCE,
+    shadow_buffer::READ_TEXELS,
+    steps::paths::{ADD_BROUGHT, TRACE_PATHS},
+};
 
 macro_rules! assert_layout {
     ($module:expr, $name:ident { $($field:ident),* $(,)? }) => {{
@@ -92,7 +97,27 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     });
     assert_eq!(header.map(u64::from), Some(layout::PATHS_HEADS));
     assert_layout!(paths, Path { origin, travelled, direction, density, weight, is_diffuse, entries, _pad });
-    assert_layout!(paths, Brought { diffuse, paths, glossy, squares, newest, is_known, _pad });
+    assert_layout!(paths, Brought { diffuse, paths, glossy, is_known, squares, newest });
+    let parts = parse(&ADD_BROUGHT, &Variant { paths: true, linear: true, parts: true, ..with });
+    assert_layout!(
+        &parts,
+        LightParts {
+            diffuse,
+            diffuse_variance,
+            glossy,
+            glossy_variance,
+            albedo,
+            normal,
+            rest,
+            point_x,
+            point_y,
+            point_z,
+            _pad
+        }
+    );
+    let smooth = parse(&SMOOTH_LIGHT_ONCE, &Variant::PIXELS);
+    assert_layout!(&smooth, Noisy { diffuse, diffuse_variance, glossy, glossy_variance });
+    assert_layout!(&smooth, Guide { point, normal });
 }
 
 #[test]
@@ -103,6 +128,7 @@ fn counters_and_marks_have_the_same_numbers_in_both_languages() {
         ("WORKGROUP", layout::WORKGROUP),
         ("LIST_WORKGROUP", layout::LIST_WORKGROUP),
         ("COUNTERS", layout::COUNTERS as u32),
+        ("NO_NORMAL", layout::NO_NORMAL),
         ("SHADOW_RAYS", layout::SHADOW_RAYS as u32),
         ("NODES_VISITED", layout::NODES_VISITED as u32),
         ("PRIMITIVES_TESTED", layout::PRIMITIVES_TESTED as u32),

@@ -10,6 +10,7 @@ use crate::{
     kernel::traversal::{Boxes, Traversal},
     kernel::variant::{Shadows, SkyKind},
     render::cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
+    render::denoise::{SMOOTH_LIGHT_ONCE, SMOOTH_VARIANCES},
     shadow_buffer::{
         DRAW_FEW_MIDDLES, DRAW_MORE_MIDDLES, DRAW_PARTS_MIDDLES, MARK_FEW_TEXELS, MARK_MORE_TEXELS, MARK_PARTS_TEXELS,
         PROJECT_MIDDLES, PROJECT_TEXELS, READ_MIDDLES, READ_TEXELS,
@@ -31,7 +32,7 @@ use crate::{
     view::rig::Projection,
 };
 
-pub(super) const ALL: [&Kernel; 60] = [
+pub(super) const ALL: [&Kernel; 62] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &BEGIN_PATHS,
@@ -39,6 +40,8 @@ pub(super) const ALL: [&Kernel; 60] = [
     &SHARE_BROUGHT,
     &TRACE_PATHS,
     &ADD_BROUGHT,
+    &SMOOTH_VARIANCES,
+    &SMOOTH_LIGHT_ONCE,
     &TRACE_IN_STEPS,
     &CLOSEST_HITS_IN_STEPS,
     &ANY_HITS_IN_STEPS,
@@ -192,6 +195,7 @@ pub(super) fn variants() -> Vec<Variant> {
             close: close == 1,
             samples: kept & 1 == 1,
             second: kept & 2 == 2,
+            parts: kept & 1 == 1,
             linear: kept & 2 == 2,
             masked: masked == 1,
             jitter: [0, 3][jitter],

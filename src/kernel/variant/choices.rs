@@ -12,7 +12,7 @@ use crate::{
 
 impl Kernel {
     /// Returns the value of each choice in shared WGSL.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 32] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 33] {
         let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
@@ -131,6 +131,7 @@ impl Kernel {
             ("bits", bits),
             ("samples", samples),
             ("sources", if with.reads_second(self.role) { "two" } else { "one" }),
+            ("parts", if with.parts { "kept" } else { "none" }),
             ("linear", if with.linear { "kept" } else { "none" }),
             ("wanted", if with.masked { "masked" } else { "all" }),
             ("checks", if checks { "all" } else { "none" }),

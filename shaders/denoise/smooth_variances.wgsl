@@ -1,0 +1,37 @@
+// Raises the variances of pixels to the mean of those around them on the same surface. A pixel's own variance is
+// uncertain after few paths, and low where its paths found little light. It is high where one path found much.
+//
+// launch  one thread per pixel of the strip
+// reads   noisy_light, guides  [height * width]
+// writes  smooth_light         [height * width]
+
+//! use frame, light_parts, noisy, pixels
+
+const REACH: i32 = 3;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn smooth_variances(@builtin(global_invocation_id) id: vec3u) {
+    let size = frame.band.size;
+    if any(id.xy >= size) { return; }
+    let index = id.y * size.x + id.x;
+    var light = noisy_light[index];
+    let guide = guides[index];
+    if guide.normal == NO_NORMAL { smooth_light[index] = light; return; }
+    let normal = from_octahedral(guide.normal);
+    var sum = vec2f(0.0);
+    var weights = vec2f(0.0);
+    for (var y = -REACH; y <= REACH; y += 1) {
+        for (var x = -REACH; x <= REACH; x += 1) {
+            let place = vec2i(id.xy) + vec2i(x, y);
+            if any(place < vec2i(0)) || any(place >= vec2i(size)) { continue; }
+            let other = u32(place.y) * size.x + u32(place.x);
+            let weight = alike(guide, normal, guides[other]);
+            sum += weight * vec2f(noisy_light[other].diffuse_variance, noisy_light[other].glossy_variance);
+            weights += weight;
+        }
+    }
+    // A pixel's weight for itself is 1.
+    light.diffuse_variance = max(light.diffuse_variance, sum.x / weights.x);
+    light.glossy_variance = max(light.glossy_variance, sum.y / weights.y);
+    smooth_light[index] = light;
+}

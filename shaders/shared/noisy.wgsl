@@ -1,0 +1,44 @@
+// Noisy light of a strip of a picture, and the surfaces that its pixels show, for denoising.
+
+//! use light_parts
+
+struct Noisy {
+    diffuse: vec3f,
+    diffuse_variance: f32,
+    glossy: vec3f,
+    glossy_variance: f32,
+}
+
+struct Guide {
+    point: vec3f,   // in the scene's frame
+    normal: u32,    // octahedral, or NO_NORMAL where the pixel shows no surface
+}
+
+var<storage, read> guides: array<Guide>;
+var<storage, read> noisy_light: array<Noisy>;
+var<storage, read_write> smooth_light: array<Noisy>;
+
+// Exponents of the cosine between two pixels' normals. Highlights depend more on them.
+const DIFFUSE_NORMALS: f32 = 64.0;
+const GLOSSY_NORMALS: f32 = 128.0;
+// Slope between two pixels' points and the plane of one of them at which their weight falls to 1/e.
+const SLOPE: f32 = 0.1;
+
+fn from_octahedral(packed: u32) -> vec3f {
+    let flat = unpack2x16snorm(packed);
+    let z = 1.0 - abs(flat.x) - abs(flat.y);
+    let folded = (1.0 - abs(flat.yx)) * select(vec2f(-1.0), vec2f(1.0), flat >= vec2f(0.0));
+    return normalize(vec3f(select(flat, folded, z < 0.0), z));
+}
+
+// Returns how far a pixel's surface goes on in another pixel, for diffuse and for glossy light: 0 to 1.
+fn alike(guide: Guide, normal: vec3f, other: Guide) -> vec2f {
+    if other.normal == NO_NORMAL { return vec2f(0.0); }
+    let way = other.point - guide.point;
+    let distance = length(way);
+    let others = from_octahedral(other.normal);
+    let off = max(abs(dot(way, normal)), abs(dot(way, others)));
+    let slope = select(0.0, off / distance, distance > 0.0) / SLOPE;
+    let cosine = max(dot(normal, others), 0.0);
+    return exp(-slope * slope) * pow(vec2f(cosine), vec2f(DIFFUSE_NORMALS, GLOSSY_NORMALS));
+}

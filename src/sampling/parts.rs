@@ -1,0 +1,145 @@
+//! Light in parts, averaged over the samples of a pixel, for denoising.
+
+use glam::{Vec2, Vec3};
+
+use crate::kernel::layout::{LightParts, NO_NORMAL};
+
+/// Sums over a pixel's samples so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PartSums {
+    /// Diffuse light after the albedo.
+    lit: Vec3,
+    glossy: Vec3,
+    albedo: Vec3,
+    rest: Vec3,
+    point: Vec3,
+    normal: Vec3,
+    /// Weight of the samples that show a surface.
+    surface: f32,
+    /// Brightness of diffuse light before the albedo and of glossy light, and their squares.
+    brightness: Vec2,
+    squares: Vec2,
+    /// Sums with squared weights: the weights themselves, and the variances of both kinds of light.
+    weights: f32,
+    variances: Vec2,
+}
+
+impl PartSums {
+    /// Adds a sample.
+    pub(super) fn add(&mut self, parts: &LightParts, weight: f32) {
+        self.rest += weight * Vec3::from(parts.rest);
+        if parts.normal == NO_NORMAL {
+            return;
+        }
+        let [diffuse, glossy, albedo] = [parts.diffuse, parts.glossy, parts.albedo].map(Vec3::from);
+        let brightness = Vec2::new(luminance(diffuse), luminance(glossy));
+        self.lit += weight * albedo * diffuse;
+        self.glossy += weight * glossy;
+        self.albedo += weight * albedo;
+        self.point += weight * Vec3::new(parts.point_x, parts.point_y, parts.point_z);
+        self.normal += weight * from_octahedral(parts.normal);
+        self.surface += weight;
+        self.brightness += weight * brightness;
+        self.squares += weight * brightness * brightness;
+        self.weights += weight * weight;
+        self.variances += weight * weight * Vec2::new(parts.diffuse_variance, parts.glossy_variance);
+    }
+
+    /// Returns the means. Where a sample has a single path, the variance follows from the samples' spread.
+    pub(super) fn means(&self) -> LightParts {
+        let rest = self.rest.to_array();
+        if self.surface <= 0.0 || self.normal == Vec3::ZERO {
+            return LightParts { normal: NO_NORMAL, rest, ..LightParts::default() };
+        }
+        let over = 1.0 / self.surface;
+        let [mean, squares] = [self.brightness * over, self.squares * over];
+        let several = self.weights * over * over;
+        let spread = (squares - mean * mean).max(Vec2::ZERO) * several / (1.0 - several).max(1e-3);
+        let own = self.variances * over * over;
+        let variance = |own: f32, spread: f32| if own > 0.0 { own } else { spread };
+        let diffuse = Vec3::select(self.albedo.cmpgt(Vec3::splat(1e-6)), self.lit / self.albedo, Vec3::ZERO);
+        let [point_x, point_y, point_z] = (self.point * over).to_array();
+        LightParts {
+            diffuse: diffuse.to_array(),
+            diffuse_variance: variance(own.x, spread.x),
+            glossy: self.glossy.to_array(),
+            glossy_variance: variance(own.y, spread.y),
+            albedo: self.albedo.to_array(),
+            normal: octahedral(self.normal.normalize()),
+            rest,
+            point_x,
+            point_y,
+            point_z,
+            ..LightParts::default()
+        }
+    }
+}
+
+/// Luminance of linear light by Rec. 709.
+fn luminance(color: Vec3) -> f32 {
+    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// Folds a unit vector onto a square, as `octahedral` of `shaders/shared/light_parts.wgsl` does.
+fn octahedral(normal: Vec3) -> u32 {
+    let flat = normal.truncate() / normal.abs().element_sum();
+    let folded =
+        (1.0 - Vec2::new(flat.y, flat.x).abs()) * Vec2::select(flat.cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE);
+    let place = if normal.z < 0.0 { folded } else { flat };
+    let word = |value: f32| u32::from((value.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
+    word(place.x) | (word(place.y) << 16)
+}
+
+fn from_octahedral(packed: u32) -> Vec3 {
+    let part = |bits: u32| (f32::from(bits as u16 as i16) / 32767.0).max(-1.0);
+    let flat = Vec2::new(part(packed), part(packed >> 16));
+    let z = 1.0 - flat.abs().element_sum();
+    let folded =
+        (1.0 - Vec2::new(flat.y, flat.x).abs()) * Vec2::select(flat.cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE);
+    (if z < 0.0 { folded } else { flat }).extend(z).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    fn seen(albedo: f32, diffuse: f32, normal: Vec3) -> LightParts {
+        LightParts {
+            diffuse: [diffuse; 3],
+            albedo: [albedo; 3],
+            normal: octahedral(normal),
+            rest: [0.25; 3],
+            ..LightParts::default()
+        }
+    }
+
+    #[test]
+    fn normals_survive_folding() {
+        let mut random = Random::new(1);
+        for _ in 0..1000 {
+            let normal = random.point(1.0).normalize_or(Vec3::Z);
+            assert!(from_octahedral(octahedral(normal)).distance(normal) < 1e-4, "{normal}");
+        }
+        for axis in Vec3::AXES {
+            for normal in [axis, -axis] {
+                assert!(from_octahedral(octahedral(normal)).distance(normal) < 1e-4, "{normal}");
+                assert_ne!(octahedral(normal), NO_NORMAL);
+            }
+        }
+    }
+
+    #[test]
+    fn a_pixel_is_as_bright_as_its_samples_together() {
+        let mut sums = PartSums::default();
+        let samples = [seen(0.5, 2.0, Vec3::X), seen(0.1, 4.0, Vec3::Z), seen(0.0, 8.0, Vec3::Z)];
+        samples.iter().for_each(|parts| sums.add(parts, 0.25));
+        sums.add(&LightParts { normal: NO_NORMAL, rest: [1.0; 3], ..LightParts::default() }, 0.25);
+        let mean = sums.means();
+        let brightness = mean.rest[0] + mean.albedo[0] * mean.diffuse[0];
+        assert!((brightness - 0.25 * (1.0 + 0.4 + 3.0 * 0.25 + 1.0)).abs() < 1e-6, "{brightness}");
+        // Three samples of brightness 2, 4 and 8 have the variance 28/3; their mean has a third of it.
+        assert!((mean.diffuse_variance - 28.0 / 9.0).abs() < 1e-3, "{}", mean.diffuse_variance);
+        assert_eq!(PartSums::default().means().normal, NO_NORMAL);
+    }
+}
