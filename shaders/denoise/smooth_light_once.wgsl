@@ -36,19 +36,24 @@ fn smooth_light_once(@builtin(global_invocation_id) id: vec3u) {
             let there = noisy_light[other];
             let off = abs(vec2f(luminance(there.diffuse), luminance(there.glossy)) - own) / tolerance;
             let spline = SPLINE[abs(x)] * SPLINE[abs(y)];
-            let weight = spline * alike(guide, normal, guides[other]) * exp(-off);
+            let weight = spline * alike(guide, normal, guides[other]) * reflected_kinds(there) * exp(-off);
             diffuse += vec4f(weight.x * there.diffuse, weight.x * weight.x * there.diffuse_variance);
             glossy += vec4f(weight.y * there.glossy, weight.y * weight.y * there.glossy_variance);
             weights += weight;
         }
     }
-    // A pixel's weight for itself is above 0.
-    smooth_light[index] = Noisy(
-        diffuse.xyz / weights.x,
-        diffuse.w / (weights.x * weights.x),
-        glossy.xyz / weights.y,
-        glossy.w / (weights.y * weights.y),
-    );
+    // A pixel's weight for itself is above 0, but for light that it does not reflect.
+    let kinds = reflected_kinds(light);
+    var result = light;
+    if kinds.x > 0.0 {
+        result.diffuse = diffuse.xyz / weights.x;
+        result.diffuse_variance = diffuse.w / (weights.x * weights.x);
+    }
+    if kinds.y > 0.0 {
+        result.glossy = glossy.xyz / weights.y;
+        result.glossy_variance = glossy.w / (weights.y * weights.y);
+    }
+    smooth_light[index] = result;
 }
 
 // Returns the variances of a pixel, averaged with those beside it.
@@ -60,7 +65,7 @@ fn variances_around(pixel: vec2u) -> vec2f {
             let place = clamp(vec2i(pixel) + vec2i(x, y), vec2i(0), size - 1);
             let there = noisy_light[u32(place.y) * frame.band.size.x + u32(place.x)];
             let weight = 1.0 / f32((1 + abs(x)) * (1 + abs(y)));
-            sum += weight * vec2f(there.diffuse_variance, there.glossy_variance);
+            sum += weight * max(vec2f(there.diffuse_variance, there.glossy_variance), vec2f(0.0));
         }
     }
     return sum / 4.0;

@@ -25,13 +25,16 @@ fn smooth_variances(@builtin(global_invocation_id) id: vec3u) {
             let place = vec2i(id.xy) + vec2i(x, y);
             if any(place < vec2i(0)) || any(place >= vec2i(size)) { continue; }
             let other = u32(place.y) * size.x + u32(place.x);
-            let weight = alike(guide, normal, guides[other]);
-            sum += weight * vec2f(noisy_light[other].diffuse_variance, noisy_light[other].glossy_variance);
+            let there = noisy_light[other];
+            let weight = alike(guide, normal, guides[other]) * reflected_kinds(there);
+            sum += weight * vec2f(there.diffuse_variance, there.glossy_variance);
             weights += weight;
         }
     }
-    // A pixel's weight for itself is 1.
-    light.diffuse_variance = max(light.diffuse_variance, sum.x / weights.x);
-    light.glossy_variance = max(light.glossy_variance, sum.y / weights.y);
+    // A pixel's weight for itself is 1, or 0 for light that it does not reflect.
+    let kinds = reflected_kinds(light);
+    let means = sum / max(weights, vec2f(1.0));
+    if kinds.x > 0.0 { light.diffuse_variance = max(light.diffuse_variance, means.x); }
+    if kinds.y > 0.0 { light.glossy_variance = max(light.glossy_variance, means.y); }
     smooth_light[index] = light;
 }

@@ -41,7 +41,9 @@ fn take_light(pixel: vec2u, index: u32, seen: Pixel) -> bool {
     let first = pixel_index(at.first);
     if !vouches(at, source_sample(at.first), component) { return false; }
     if !vouches(at, source_sample(at.first + vec2u(1u, 0u)), component) { return false; }
-    if !is_alike(seen.slot, source[first].slot) || !is_alike(seen.slot, source[first + 1u].slot) { return false; }
+    let material = primitive_texel(seen.slot, 2u).w & MATERIAL;
+    if !is_alike(seen.slot, material, source[first].slot) { return false; }
+    if !is_alike(seen.slot, material, source[first + 1u].slot) { return false; }
     let before = source_brought[first];
     let after = source_brought[first + 1u];
     if before.paths < 2u || after.paths < 2u { return false; }
@@ -56,11 +58,11 @@ fn take_light(pixel: vec2u, index: u32, seen: Pixel) -> bool {
     return true;
 }
 
-// Returns whether two primitives of a component have nearly the same normal. The sign does not matter, since two
-// visible neighbours are seen from the same side.
-fn is_alike(slot: u32, other: u32) -> bool {
+// Returns whether two primitives of a component have one material and nearly the same normal. The sign does not matter,
+// since two visible neighbours are seen from the same side.
+fn is_alike(slot: u32, material: u32, other: u32) -> bool {
     if slot == other { return true; }
-    if other == MISS { return false; }
+    if other == MISS || (primitive_texel(other, 2u).w & MATERIAL) != material { return false; }
     return abs(dot(plain_normal(slot), plain_normal(other))) >= LIKE_NORMAL;
 }
 

@@ -4,11 +4,13 @@
 
 // Marks a pixel that shows no surface.
 const NO_NORMAL: u32 = 0x80008000u;
+// Variance of light of a kind that a surface does not reflect.
+const NO_LIGHT: f32 = -1.0;
 
 //! if parts is kept
 struct LightParts {
     diffuse: vec3f,            // mean of what paths brought for diffuse reflection, before the albedo
-    diffuse_variance: f32,     // variance of that mean's brightness
+    diffuse_variance: f32,     // variance of that mean's brightness, or NO_LIGHT
     glossy: vec3f,             // mean of what paths brought by highlights, mirrors and glass
     glossy_variance: f32,
     albedo: vec3f,             // of diffuse reflection
@@ -17,7 +19,8 @@ struct LightParts {
     point_x: f32,              // point on the surface, in the scene's frame
     point_y: f32,
     point_z: f32,
-    _pad: vec2u,
+    coverage: f32,             // share of the pixel that shows a surface
+    _pad: u32,
 }
 
 var<storage, read_write> light_parts: array<LightParts>;
@@ -33,18 +36,21 @@ fn keep_parts(index: u32, vertex: Vertex, sum: Brought, rest: vec3f) {
     let share = 1.0 / f32(max(sum.paths, 1u));
     let is_known = sum.is_known == 1u;
     let variances = mean_variances(sum);
+    let lobes = vertex.lobes;
+    let is_matte = lobes.glossy == 0.0 && lobes.opacity == 1.0;
     light_parts[index] = LightParts(
         select(sum.diffuse * share, sum.diffuse, is_known),
-        select(variances.x, sum.newest.x, is_known),
+        select(select(variances.x, sum.newest.x, is_known), NO_LIGHT, all(lobes.diffuse == vec3f(0.0))),
         sum.glossy * share,
-        variances.y,
-        vertex.lobes.diffuse,
+        select(variances.y, NO_LIGHT, is_matte),
+        lobes.diffuse,
         octahedral(vertex.normal),
         rest,
         vertex.point.x,
         vertex.point.y,
         vertex.point.z,
-        vec2u(0u),
+        1.0,
+        0u,
     );
 }
 

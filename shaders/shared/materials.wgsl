@@ -117,10 +117,17 @@ fn is_bumpy(material: u32) -> bool {
     return principled.is_there && principled.normal_texture != 0u;
 }
 
+//! if light is paths and principled is none
+fn is_principled(material: u32) -> bool { return false; }
+
+//! if light is paths and principled is some
+fn is_principled(material: u32) -> bool { return principled_at(material).is_there; }
+
 //! if light is paths
 // Returns whether the surface sends light to the viewer that depends on the direction.
 fn is_glossy(material: u32) -> bool {
     if MATERIAL_TEXELS == 1u { return false; }
     let found = material_at(material);
-    return MATERIAL_TEXELS > 4u || found.kind != 0u || found.opacity < 1.0 || any(found.specular > vec3f(0.0));
+    let is_plain = found.kind == 0u && found.opacity >= 1.0 && all(found.specular <= vec3f(0.0));
+    return !is_plain || is_principled(material);
 }

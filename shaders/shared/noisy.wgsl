@@ -31,6 +31,11 @@ fn from_octahedral(packed: u32) -> vec3f {
     return normalize(vec3f(select(flat, folded, z < 0.0), z));
 }
 
+// Returns 1 for the kinds of light, diffuse and glossy, that a pixel's surface reflects, and 0 for the others.
+fn reflected_kinds(light: Noisy) -> vec2f {
+    return select(vec2f(0.0), vec2f(1.0), vec2f(light.diffuse_variance, light.glossy_variance) >= vec2f(0.0));
+}
+
 // Returns how far a pixel's surface goes on in another pixel, for diffuse and for glossy light: 0 to 1.
 fn alike(guide: Guide, normal: vec3f, other: Guide) -> vec2f {
     if other.normal == NO_NORMAL { return vec2f(0.0); }

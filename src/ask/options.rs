@@ -417,6 +417,9 @@ impl Options {
         let reason = match self.denoise {
             false => return Ok(()),
             true if !self.follows_paths() => "only light by paths (lighting) is denoised",
+            true if self.samples == 1 && matches!(self.lighting, Lighting::Paths { samples: 1, .. }) => {
+                "it needs at least two paths per pixel"
+            }
             true if self.adaptive.is_some() => "pictures with adaptive samples are not denoised",
             true if !whole => "it needs whole pictures, which rows and encoded frames are not",
             true => return Ok(()),

@@ -65,7 +65,7 @@ impl ViewRows {
         let (depth, ids) = (options.g_buffer != GBuffer::None, options.g_buffer == GBuffer::Ids);
         // The sizes are bytes per pixel: 6 for colour and sources, then the requested parts.
         let each: u64 =
-            [(true, 6), (depth, 4), (ids, 8), (options.linear, 16), (options.cost_map, 4), (options.denoise, 80)]
+            [(true, 6), (depth, 4), (ids, 8), (options.linear, 16), (options.cost_map, 4), (options.denoise, 124)]
                 .map(|(wanted, bytes)| if wanted { bytes } else { 0 })
                 .iter()
                 .sum();
@@ -83,7 +83,8 @@ impl ViewRows {
         }
         let room = |_| {
             let mut rows = Self::new(width);
-            rows.reserve(pixels as usize, [depth, ids, options.linear, options.cost_map]).map_err(|_| refused())?;
+            rows.reserve(pixels as usize, [depth, ids, options.linear, options.cost_map, options.denoise])
+                .map_err(|_| refused())?;
             Ok(rows)
         };
         (0..views).map(room).collect()
@@ -92,7 +93,7 @@ impl ViewRows {
     fn reserve(
         &mut self,
         pixels: usize,
-        [depth, ids, linear, cost]: [bool; 4],
+        [depth, ids, linear, cost, parts]: [bool; 5],
     ) -> Result<(), std::collections::TryReserveError> {
         let wanted = |wanted: bool| if wanted { pixels } else { 0 };
         self.view.rgba8.try_reserve_exact(pixels)?;
@@ -101,6 +102,7 @@ impl ViewRows {
         self.view.object.try_reserve_exact(wanted(ids))?;
         self.view.linear.try_reserve_exact(wanted(linear))?;
         self.view.cost.try_reserve_exact(wanted(cost))?;
+        self.parts.try_reserve_exact(wanted(parts))?;
         self.source.try_reserve_exact(pixels)
     }
 

@@ -175,11 +175,14 @@ pub(crate) struct LightParts {
     pub(crate) point_x: f32,
     pub(crate) point_y: f32,
     pub(crate) point_z: f32,
-    pub(crate) _pad: [u32; 2],
+    pub(crate) coverage: f32,
+    pub(crate) _pad: u32,
 }
 
 /// Octahedral normal of a pixel that shows no surface.
 pub(crate) const NO_NORMAL: u32 = 0x8000_8000;
+/// Variance of light of a kind that a surface does not reflect.
+pub(crate) const NO_LIGHT: f32 = -1.0;
 
 /// `Noisy` of shaders/shared/noisy.wgsl.
 #[repr(C)]

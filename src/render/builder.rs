@@ -194,6 +194,7 @@ impl FrameBuilder<'_, StereoCamera> {
     /// As [`FrameBuilder::read`].
     pub async fn trace(self) -> Result<Statistics, Error> {
         let Self { renderer, scene, cameras: camera, options, mut progress } = self;
+        options.check_denoise(true)?;
         let pose = camera.pose_in(scene.origin)?;
         let Some([first, second]) = renderer.toed_in(&pose, &options) else {
             let done =

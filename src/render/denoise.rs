@@ -8,7 +8,7 @@ use crate::{
         ViewRows,
         executor::{Executor, Resources, Workgroups},
     },
-    kernel::layout::{Frame, Guide, LightParts, NO_NORMAL, Noisy, WORKGROUP},
+    kernel::layout::{Frame, Guide, LightParts, NO_LIGHT, NO_NORMAL, Noisy, WORKGROUP},
     kernel::{Kernel, Resource, Role, kernel, variant::Variant},
 };
 
@@ -19,8 +19,10 @@ pub(crate) const SMOOTH_LIGHT_ONCE: Kernel = kernel!("denoise", "smooth_light_on
 const STEPS: [u32; 5] = [1, 2, 4, 8, 16];
 /// Number of rows above and below a strip that its pixels depend on: the reach of all passes.
 const REACH: usize = 3 + 5 * STEPS.len() + 2 * (1 + 2 + 4 + 8 + 16);
-/// Number of pixels of a strip, without the rows beside it. 32 bytes each stay within WebGPU's limit of a binding.
+/// Number of pixels of a strip, without the rows beside it.
 const STRIP: usize = 1 << 21;
+/// Largest variance; sums of larger ones could overflow.
+const MOST_VARIANCE: f32 = 1e30;
 
 impl Renderer {
     /// Replaces the colours of pictures by those of denoised light.
@@ -47,7 +49,17 @@ impl Renderer {
         strip_pixels: usize,
     ) -> Result<Vec<Noisy>, Error> {
         let mut all = Vec::with_capacity(parts.len());
-        let strip = (strip_pixels / width).max(1);
+        let fitting = (self.gpu.binding_limit() / size_of::<Noisy>() as u64) as usize / width;
+        if fitting <= 2 * REACH {
+            return Err(Error::Limit {
+                what: format!("denoising a picture {width} pixels wide"),
+                needed: format!("{} MiB", ((2 * REACH + 1) * width * size_of::<Noisy>()) >> 20),
+                limit: "max_storage_buffer_binding_size",
+                allowed: format!("{} MiB", self.gpu.binding_limit() >> 20),
+                remedy: "render a narrower picture",
+            });
+        }
+        let strip = (strip_pixels / width).clamp(1, fitting - 2 * REACH);
         for first in (0..height).step_by(strip) {
             let end = (first + strip).min(height);
             let [top, bottom] = [first.saturating_sub(REACH), (end + REACH).min(height)];
@@ -97,7 +109,13 @@ impl Renderer {
 
 impl LightParts {
     fn noisy(&self) -> Noisy {
-        let Self { diffuse, diffuse_variance, glossy, glossy_variance, .. } = *self;
+        // Light that is not finite would spread.
+        let usable = |light: [f32; 3], variance: f32| match light.iter().all(|value| value.is_finite()) {
+            true => (light, variance.min(MOST_VARIANCE)),
+            false => ([0.0; 3], NO_LIGHT),
+        };
+        let (diffuse, diffuse_variance) = usable(self.diffuse, self.diffuse_variance);
+        let (glossy, glossy_variance) = usable(self.glossy, self.glossy_variance);
         Noisy { diffuse, diffuse_variance, glossy, glossy_variance }
     }
 
@@ -110,7 +128,7 @@ impl LightParts {
         if self.normal == NO_NORMAL {
             return self.rest;
         }
-        std::array::from_fn(|k| self.rest[k] + self.albedo[k] * light.diffuse[k] + light.glossy[k])
+        std::array::from_fn(|k| self.rest[k] + self.albedo[k] * light.diffuse[k] + self.coverage * light.glossy[k])
     }
 }
 
@@ -131,8 +149,10 @@ mod tests {
             LightParts {
                 diffuse: [light; 3],
                 diffuse_variance: 1.0 / 3.0 * (if is_left { 1.0 } else { 9.0 }),
+                glossy_variance: NO_LIGHT,
                 albedo: [1.0; 3],
                 normal,
+                coverage: 1.0,
                 point_x: if is_left { 0.0 } else { x },
                 point_y: y,
                 point_z: if is_left { x } else { 0.0 },
@@ -177,5 +197,14 @@ mod tests {
         let smooth = renderer().smoothed(&parts, [20, 20], STRIP).wait().unwrap();
         assert_eq!(parts[210].lit_by(&smooth[210]), [0.5, 0.25, 0.125]);
         assert!(smooth.iter().all(|noisy| noisy.diffuse.iter().all(|value| value.is_finite())));
+        // Light that is not finite, or that a surface does not reflect, reaches no other pixel.
+        let mut parts = floor(20, 20);
+        parts[205].diffuse = [f32::INFINITY, 1.0, f32::NAN];
+        parts[215].diffuse_variance = NO_LIGHT;
+        parts[215].diffuse = [0.0; 3];
+        let smooth = renderer().smoothed(&parts, [20, 20], STRIP).wait().unwrap();
+        assert!(smooth.iter().all(|noisy| noisy.diffuse.iter().all(|value| value.is_finite())));
+        assert_eq!(smooth[215].diffuse, [0.0; 3]);
+        assert!((195..235).filter(|index| ![205, 215].contains(index)).all(|index| smooth[index].diffuse[0] > 0.3));
     }
 }

@@ -9,6 +9,7 @@ use crate::{
     frame::{
         Band, Bands,
         driver::{Driver, Engine, Setting},
+        fitting_pixels,
         lanes::Steps,
         plan::{Made, Plan, Search},
         read::{Counts, Ids, ReadBack},
@@ -270,8 +271,9 @@ impl Renderer {
         (plan, rows, drawn): (&Plan, u32, Option<Drawn>),
     ) -> Shape {
         let rays = 1 + scene.lights.len() as u32 + scene.soft.rays(options);
-        let band_pixels = self.band_pixels / rays.div_ceil(6);
         let views = eyes.sources.len();
+        let fitting = fitting_pixels(&self.gpu, eyes.pose.size[0], views, options);
+        let band_pixels = (self.band_pixels / rays.div_ceil(6)).min(fitting);
         let bands = Bands::new([eyes.pose.size[0], rows], band_pixels, views, plan.reaches);
         Shape {
             size: eyes.pose.size,

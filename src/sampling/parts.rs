@@ -2,13 +2,15 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::kernel::layout::{LightParts, NO_NORMAL};
+use crate::kernel::layout::{LightParts, NO_LIGHT, NO_NORMAL};
 
-/// Sums over a pixel's samples so far.
+/// Sums over a pixel's samples so far. Pairs hold diffuse light before the albedo and glossy light, over the samples
+/// that reflect this kind.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PartSums {
-    /// Diffuse light after the albedo.
+    /// Diffuse light after and before the albedo.
     lit: Vec3,
+    diffuse: Vec3,
     glossy: Vec3,
     albedo: Vec3,
     rest: Vec3,
@@ -16,11 +18,12 @@ pub(super) struct PartSums {
     normal: Vec3,
     /// Weight of the samples that show a surface.
     surface: f32,
-    /// Brightness of diffuse light before the albedo and of glossy light, and their squares.
+    weights: Vec2,
     brightness: Vec2,
+    /// Squares of the brightness.
     squares: Vec2,
-    /// Sums with squared weights: the weights themselves, and the variances of both kinds of light.
-    weights: f32,
+    /// Sums with squared weights: the weights themselves, and the variances.
+    squared_weights: Vec2,
     variances: Vec2,
 }
 
@@ -32,17 +35,21 @@ impl PartSums {
             return;
         }
         let [diffuse, glossy, albedo] = [parts.diffuse, parts.glossy, parts.albedo].map(Vec3::from);
-        let brightness = Vec2::new(luminance(diffuse), luminance(glossy));
         self.lit += weight * albedo * diffuse;
         self.glossy += weight * glossy;
         self.albedo += weight * albedo;
         self.point += weight * Vec3::new(parts.point_x, parts.point_y, parts.point_z);
         self.normal += weight * from_octahedral(parts.normal);
         self.surface += weight;
-        self.brightness += weight * brightness;
-        self.squares += weight * brightness * brightness;
-        self.weights += weight * weight;
-        self.variances += weight * weight * Vec2::new(parts.diffuse_variance, parts.glossy_variance);
+        let variances = Vec2::new(parts.diffuse_variance, parts.glossy_variance);
+        let weights = Vec2::select(variances.cmpge(Vec2::ZERO), Vec2::splat(weight), Vec2::ZERO);
+        let brightness = Vec2::new(luminance(diffuse), luminance(glossy));
+        self.diffuse += weights.x * diffuse;
+        self.weights += weights;
+        self.brightness += weights * brightness;
+        self.squares += weights * brightness * brightness;
+        self.squared_weights += weights * weights;
+        self.variances += weights * weights * variances;
     }
 
     /// Returns the means. Where a sample has a single path, the variance follows from the samples' spread.
@@ -51,25 +58,32 @@ impl PartSums {
         if self.surface <= 0.0 || self.normal == Vec3::ZERO {
             return LightParts { normal: NO_NORMAL, rest, ..LightParts::default() };
         }
-        let over = 1.0 / self.surface;
+        let over = 1.0 / self.weights.max(Vec2::splat(f32::MIN_POSITIVE));
         let [mean, squares] = [self.brightness * over, self.squares * over];
-        let several = self.weights * over * over;
-        let spread = (squares - mean * mean).max(Vec2::ZERO) * several / (1.0 - several).max(1e-3);
+        let several = self.squared_weights * over * over;
+        let spread = (squares - mean * mean).max(Vec2::ZERO) * several / (1.0 - several).max(Vec2::splat(1e-3));
         let own = self.variances * over * over;
-        let variance = |own: f32, spread: f32| if own > 0.0 { own } else { spread };
-        let diffuse = Vec3::select(self.albedo.cmpgt(Vec3::splat(1e-6)), self.lit / self.albedo, Vec3::ZERO);
-        let [point_x, point_y, point_z] = (self.point * over).to_array();
+        let variance = |weight: f32, own: f32, spread: f32| match (weight > 0.0, own > 0.0) {
+            (false, _) => NO_LIGHT,
+            (true, true) => own,
+            (true, false) => spread,
+        };
+        // A channel that no sample reflects still has light, which its neighbours average.
+        let is_dark = self.albedo.cmple(Vec3::splat(1e-6));
+        let diffuse = Vec3::select(is_dark, self.diffuse * over.x, self.lit / self.albedo.max(Vec3::splat(1e-6)));
+        let [point_x, point_y, point_z] = (self.point / self.surface).to_array();
         LightParts {
             diffuse: diffuse.to_array(),
-            diffuse_variance: variance(own.x, spread.x),
-            glossy: self.glossy.to_array(),
-            glossy_variance: variance(own.y, spread.y),
+            diffuse_variance: variance(self.weights.x, own.x, spread.x),
+            glossy: (self.glossy / self.surface).to_array(),
+            glossy_variance: variance(self.weights.y, own.y, spread.y),
             albedo: self.albedo.to_array(),
             normal: octahedral(self.normal.normalize()),
             rest,
             point_x,
             point_y,
             point_z,
+            coverage: self.surface,
             ..LightParts::default()
         }
     }
@@ -140,6 +154,13 @@ mod tests {
         assert!((brightness - 0.25 * (1.0 + 0.4 + 3.0 * 0.25 + 1.0)).abs() < 1e-6, "{brightness}");
         // Three samples of brightness 2, 4 and 8 have the variance 28/3; their mean has a third of it.
         assert!((mean.diffuse_variance - 28.0 / 9.0).abs() < 1e-3, "{}", mean.diffuse_variance);
+        assert_eq!((mean.coverage, mean.glossy_variance), (0.75, 0.0));
         assert_eq!(PartSums::default().means().normal, NO_NORMAL);
+        // A surface without diffuse reflection says nothing of diffuse light, and a black one does.
+        let mut sums = PartSums::default();
+        sums.add(&LightParts { diffuse_variance: NO_LIGHT, ..seen(0.0, 0.0, Vec3::X) }, 0.5);
+        assert_eq!(sums.means().diffuse_variance, NO_LIGHT);
+        sums.add(&seen(0.0, 3.0, Vec3::X), 0.5);
+        assert_eq!(sums.means().diffuse, [3.0; 3]);
     }
 }

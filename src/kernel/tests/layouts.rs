@@ -112,6 +112,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             point_x,
             point_y,
             point_z,
+            coverage,
             _pad
         }
     );
