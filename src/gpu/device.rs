@@ -224,6 +224,21 @@ impl Gpu {
     }
 }
 
+#[cfg(test)]
+impl Gpu {
+    /// Opens a device of the adapter under test: a software adapter, unless the environment names another.
+    pub(crate) fn under_test() -> Self {
+        let wanted = std::env::var(super::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
+        pollster::block_on(Self::open(wanted)).unwrap()
+    }
+
+    /// Returns whether results must agree bit for bit. Software Vulkan neither contracts nor reorders operations in
+    /// f32.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu && self.info.backend == wgpu::Backend::Vulkan
+    }
+}
+
 fn classify(error: &wgpu::Error) -> Error {
     match error {
         wgpu::Error::OutOfMemory { .. } => Error::OutOfMemory(error.to_string()),

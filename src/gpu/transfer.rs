@@ -297,15 +297,10 @@ impl Drop for Texels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::blocking::Wait;
-
-    fn gpu() -> Gpu {
-        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).wait().unwrap()
-    }
 
     #[test]
     fn what_is_uploaded_in_pieces_arrives_whole() {
-        let gpu = gpu();
+        let gpu = Gpu::under_test();
         let texels: Vec<Texel> = (0..2 * PIECE as u32 + 3).map(|index| [index, 1, 2, !index]).collect();
         let there_and_back = async {
             let uploaded = gpu.upload("texels", &texels, Fetch::Buffer).await?;
@@ -317,7 +312,7 @@ mod tests {
 
     #[test]
     fn texels_are_freed_when_they_are_dropped_whoever_still_holds_the_buffer() {
-        let gpu = gpu();
+        let gpu = Gpu::under_test();
         let freed_then_used = async {
             let texels = gpu.upload("texels", &[[7; 4]; 3], Fetch::Buffer).await?;
             let Texels::Buffer(buffer) = &texels else { panic!("{texels:?}") };

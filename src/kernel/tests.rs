@@ -4,7 +4,6 @@
 mod layouts;
 mod variants;
 
-use crate::blocking::Wait;
 use std::collections::BTreeSet;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -123,8 +122,7 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
 /// to build all variants. naga and Tint validate all of them.
 #[test]
 fn specialised_kernels_make_pipelines() {
-    let gpu =
-        crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).wait().unwrap();
+    let gpu = crate::Gpu::under_test();
     let make = || {
         let pipelines = Kernels::default();
         let mut built = BTreeSet::new();

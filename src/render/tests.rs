@@ -42,8 +42,7 @@ fn the_parts_that_rows_are_dealt_to_change_no_picture() {
 const USUAL: u32 = 1 << 18;
 
 fn renderer(band_pixels: u32) -> Renderer {
-    let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-    let mut renderer = Renderer::new(Gpu::open(wanted).wait().unwrap());
+    let mut renderer = Renderer::new(Gpu::under_test());
     renderer.band_pixels = band_pixels;
     renderer
 }
@@ -96,9 +95,8 @@ fn every_traversal_gives_the_same_pair() {
             pair.statistics = Statistics::default();
             pair
         }));
-        let info = renderer(USUAL).gpu.adapter_info().clone();
         // Other adapters contract operations of one kernel and not of another.
-        let is_exact = info.device_type == wgpu::DeviceType::Cpu && info.backend == wgpu::Backend::Vulkan;
+        let is_exact = renderer(USUAL).gpu.is_exact();
         for (traversal, pair) in Traversal::ALL.iter().zip(&pairs) {
             let differing = pair.right.primitive.iter().zip(&pairs[0].right.primitive).filter(|(a, b)| a != b).count();
             assert!(differing * 100 <= pair.right.primitive.len(), "{builtin} {traversal:?}: {differing}");

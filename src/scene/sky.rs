@@ -126,8 +126,7 @@ mod tests {
 
     #[test]
     fn every_direction_has_its_colour_poles_and_seam_included() {
-        let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let gpu = Gpu::open(wanted).wait().unwrap();
+        let gpu = Gpu::under_test();
         // The larger one is uploaded in several pieces.
         for (width, fetch) in [(256, Fetch::Texture), (2048, Fetch::Texture), (2048, Fetch::Buffer)] {
             let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch));

@@ -16,7 +16,7 @@ use crate::{
 const GRAZING: f32 = 1e-3;
 
 fn renderer() -> Renderer {
-    Renderer::new(Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).wait().unwrap())
+    Renderer::new(Gpu::under_test())
 }
 
 impl Tables {

@@ -83,8 +83,7 @@ mod tests {
             let triangles = (0..60).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect();
             scene.add_mesh(&Mesh::new(base.iter().flat_map(turned).collect(), triangles)).unwrap();
         }
-        let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let mut renderer = Renderer::new(crate::Gpu::open(wanted).wait().unwrap());
+        let mut renderer = Renderer::new(crate::Gpu::under_test());
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let place = |id: u32| uploaded.ids.iter().position(|other| *other == id).unwrap();
         let camera = StereoCamera::look_at(Vec3::new(0.0, 0.4, 3.0), Vec3::ZERO).size(64, 49);

@@ -127,10 +127,6 @@ mod tests {
         scene::builtin::Builtin,
     };
 
-    fn gpu() -> Gpu {
-        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).wait().unwrap()
-    }
-
     fn in_steps_of(rounds: u32) -> Steps {
         Steps { rounds, always: true, ..Steps::default() }
     }
@@ -245,7 +241,7 @@ mod tests {
 
     #[test]
     fn a_frame_in_steps_is_naives_bit_for_bit() {
-        let mut renderer = Renderer::new(gpu());
+        let mut renderer = Renderer::new(Gpu::under_test());
         for (name, scene, camera) in scenes() {
             assert_alike(name, &scene, &camera, &mut renderer, false);
         }
@@ -256,7 +252,7 @@ mod tests {
 
     #[test]
     fn every_traversal_goes_on_where_it_stopped() {
-        let gpu = gpu();
+        let gpu = Gpu::under_test();
         let read = [(Fetch::Texture, Boxes::Grid16), (Fetch::Buffer, Boxes::F32)];
         for traversal in Traversal::ALL.iter().copied().filter(|way| read.contains(&(way.fetch, way.boxes))) {
             let mut renderer = Renderer::with_traversal(gpu.clone(), traversal);
@@ -268,7 +264,7 @@ mod tests {
     fn a_step_too_long_for_the_adapter_is_an_error_and_ends() {
         let (scene, camera) = (&mut Scene::new(), Builtin::Hall.camera(9, 5));
         scene.lights = vec![Light::point(Vec3::Y, Vec3::ONE); 70_000];
-        let mut renderer = Renderer::new(gpu());
+        let mut renderer = Renderer::new(Gpu::under_test());
         let uploaded = renderer.upload(scene).wait().unwrap();
         let options = Options::new(Method::Naive);
         let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
@@ -285,7 +281,7 @@ mod tests {
     #[test]
     fn bands_and_what_is_kept_of_pixels_change_no_frame_in_steps() {
         let camera = Builtin::Hall.camera(90, 61);
-        let mut renderer = Renderer::new(gpu());
+        let mut renderer = Renderer::new(Gpu::under_test());
         let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
         for g_buffer in [GBuffer::Ids, GBuffer::Depth, GBuffer::None] {
             let options = Options::new(Method::Naive).g_buffer(g_buffer);
@@ -310,7 +306,7 @@ mod tests {
 
     #[test]
     fn ray_lists_in_steps_hit_what_they_hit_at_once() {
-        let gpu = gpu();
+        let gpu = Gpu::under_test();
         let mut random = Random::new(5);
         let directions: Vec<Vec3> = (0..1501).map(|_| random.point(1.0)).collect();
         for traversal in [Traversal::ALL[0], Traversal::ALL[5]] {

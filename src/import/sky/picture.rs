@@ -139,7 +139,6 @@ fn linear_color(kind: image::ColorType, pixel: &[u8]) -> Result<Vec3, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::blocking::Wait;
     use crate::{Gpu, SkyMap};
 
     #[test]
@@ -247,8 +246,7 @@ mod tests {
         let message = read(2047).unwrap_err().to_string();
         assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047"), "{message}");
         // The adapter's own limit; lavapipe's is 2048 times 16384 texels.
-        let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let gpu = Gpu::open(wanted).wait().unwrap();
+        let gpu = Gpu::under_test();
         let most = Limits::default().gpu(&gpu).sky_pixels(u64::MAX).largest_sky();
         assert!(most < u64::MAX && most >= Limits::default().largest_sky(), "{most}");
         assert_eq!(Limits::default().sky_pixels(9).gpu(&gpu).largest_sky(), 9);

@@ -13,8 +13,7 @@ use crate::{
 };
 
 fn renderer() -> Renderer {
-    let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-    let mut renderer = Renderer::new(Gpu::open(wanted).wait().unwrap());
+    let mut renderer = Renderer::new(Gpu::under_test());
     // Even small pictures have several bands.
     renderer.band_pixels = 64 * 64;
     renderer
@@ -67,15 +66,10 @@ fn hits(rows: &ViewRows) -> Vec<(f32, u32)> {
     rows.view.depth.iter().map(|depth| depth.min(FAR)).zip(rows.view.primitive.iter().copied()).collect()
 }
 
-fn is_exact(renderer: &Renderer) -> bool {
-    let info = renderer.gpu.adapter_info();
-    info.device_type == wgpu::DeviceType::Cpu && info.backend == wgpu::Backend::Vulkan
-}
-
 #[test]
 fn jittered_samples_hit_what_plain_rust_hits_and_land_where_a_sequential_sweep_puts_them() {
     let mut renderer = renderer();
-    let exact = is_exact(&renderer);
+    let exact = renderer.gpu.is_exact();
     let scenes = [colored(1, 120, 0), colored(2, 0, 40), colored(3, 60, 20)];
     for (scene, (side, seed)) in scenes.iter().zip([(2, 0), (3, 5), (4, 77)]) {
         // Tests both directions: an eye on the right, and an eye on the left.
@@ -121,7 +115,7 @@ fn assert_fates(found: &[PixelSource], expected: &[PixelSource], allowed: usize,
 #[test]
 fn jittered_shadow_bits_are_taken_over_as_plain_rust_does() {
     let mut renderer = renderer();
-    if !is_exact(&renderer) {
+    if !renderer.gpu.is_exact() {
         return;
     }
     let (side, seed) = (3, 9);
@@ -145,7 +139,7 @@ fn jittered_shadow_bits_are_taken_over_as_plain_rust_does() {
 #[test]
 fn what_jittered_samples_see_by_bracket_is_naive_s_to_the_last_bit() {
     let mut renderer = renderer();
-    let exact = is_exact(&renderer);
+    let exact = renderer.gpu.is_exact();
     let random = (10..14).map(|seed| (format!("random {seed}"), colored(seed, 300, 60), camera(47, 35)));
     let dust = (20..22).map(|seed| (format!("dust {seed}"), dust(seed), camera(47, 35)));
     let trials = [Trial::Wires, Trial::Fence, Trial::Hair];
@@ -200,7 +194,7 @@ fn views_share_their_samples_offsets_whatever_their_noise() {
         for (view, eye) in views.iter().zip([Eye::Left, Eye::Right]) {
             let twin = trace_left(&scene, &frame, eye);
             let differing = hits(view).iter().zip(&twin).filter(|(a, b)| a.1 != b.1).count();
-            assert!(differing <= if is_exact(&renderer) { 0 } else { twin.len() / 500 }, "{eye:?} {noise_by_view}");
+            assert!(differing <= if renderer.gpu.is_exact() { 0 } else { twin.len() / 500 }, "{eye:?} {noise_by_view}");
         }
     }
 }
