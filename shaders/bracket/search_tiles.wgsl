@@ -8,7 +8,7 @@
 // writes  lists     [tiles of the current rows, TILE_WORDS] after the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the current rows
 
-//! use counters, frame, lane, lists, pixels, planes, primitive, projection, search, tiles, wanted
+//! use counters, frame, lists, pixels, planes, primitive, projection, search, tiles, wanted
 
 var<storage, read> bounds: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -31,17 +31,13 @@ var<private> covering: array<Covering, KEPT + 1u>;
 fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * TILE + vec2u(0u, frame.band.row_begin);
     if outside(corner) || !is_any_wanted(corner) { return; }
-    let size = min(vec2u(TILE), vec2u(frame.band.size.x, frame.band.row_end) - corner);
-    let tile = Tile(corner + vec2u(0u, frame.band.first_row), size);
-    let place = bound_place(corner);
-    let bound = min(bitcast<f32>(bounds[place]) * BETWEEN, FAR);
+    let tile = tile_at(corner, TILE);
+    let bound = min(bitcast<f32>(bounds[bound_place(corner)]) * BETWEEN, FAR);
     let found = found_in_tile(corner);
     search(tile, found, min(bound * DEEPER, FAR));
     var anything = bound < FAR || meets_planes(tile);
     let given_up = steps > MOST_STEPS;
     anything |= given_up;
-    lists.entries[found] = bitcast<u32>(bound);
-    lists.entries[found + BUSY_WORD] = bounds[place + 1u];
     var block = 0u;
     loop {
         anything |= listed[block] > 0u;
@@ -49,9 +45,7 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
         block += 1u;
         if block >= TILE_BLOCKS { break; }
     }
-    let list = select(SKY, TO_RESOLVE, anything);
-    let tile_index = (corner.y - frame.band.row_begin) / TILE * tiles_across() + corner.x / TILE;
-    append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
+    hand_on(corner, found, bound, anything);
     count_pixel(corner);
     count_view(corner.y, 0u, nodes_visited, primitives_tested);
 }
@@ -62,9 +56,8 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
     let primitive = primitive_at(slot);
     let covered = covered_pixels(primitive, projection, tile);
     let blocks = covered_blocks(covered) & blocks_within_edges(primitive, tile);
-    let sides = vec4u(covered) << vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
     // The entry is written even if the primitive is not kept, since entries beyond the end are ignored.
-    covering[kept] = Covering(slot, blocks | (sides.x | sides.y) | (sides.z | sides.w));
+    covering[kept] = Covering(slot, blocks | (packed_sides(covered) << FIRST_SIDE_BIT));
     kept += select(0u, 1u, blocks != 0u);
 }
 

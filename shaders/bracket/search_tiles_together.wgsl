@@ -7,8 +7,7 @@
 // writes  lists     [tiles of the current rows, TILE_WORDS] after the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the current rows
 
-//! use boxes, camera, counters, fetch, frame, lane, lists, pixels, planes, primitive, projection, search, tiles
-//! use wanted
+//! use boxes, camera, counters, fetch, frame, lists, pixels, planes, primitive, projection, search, tiles, wanted
 
 var<storage, read> bounds: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -40,10 +39,8 @@ var<workgroup> listed: array<atomic<u32>, TILE_BLOCKS>;
 fn search_tiles_together(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
     let corner = group.xy * TILE + vec2u(0u, frame.band.row_begin);
     if outside(corner) || !is_any_wanted(corner) { return; }
-    let size = min(vec2u(TILE), vec2u(frame.band.size.x, frame.band.row_end) - corner);
-    let tile = Tile(corner + vec2u(0u, frame.band.first_row), size);
-    let place = bound_place(corner);
-    let bound = min(bitcast<f32>(bounds[place]) * BETWEEN, FAR);
+    let tile = tile_at(corner, TILE);
+    let bound = min(bitcast<f32>(bounds[bound_place(corner)]) * BETWEEN, FAR);
     let found = found_in_tile(corner);
     let given_up = search_together(tile, found, min(bound * DEEPER, FAR), thread) > MOST_STEPS;
     if thread < TILE_BLOCKS {
@@ -53,11 +50,7 @@ fn search_tiles_together(@builtin(workgroup_id) group: vec3u, @builtin(local_inv
     if thread == 0u {
         var anything = bound < FAR || given_up || meets_planes(tile);
         for (var block = 0u; block < TILE_BLOCKS; block += 1u) { anything |= atomicLoad(&listed[block]) > 0u; }
-        lists.entries[found] = bitcast<u32>(bound);
-        lists.entries[found + BUSY_WORD] = bounds[place + 1u];
-        let list = select(SKY, TO_RESOLVE, anything);
-        let tile_index = (corner.y - frame.band.row_begin) / TILE * tiles_across() + corner.x / TILE;
-        append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
+        hand_on(corner, found, bound, anything);
     }
     count_pixel(corner);
     count_view(corner.y, 0u, nodes_visited, primitives_tested);
@@ -133,12 +126,12 @@ fn test_leaf(leaf: u32, tile: Tile, projection: Projection, found: u32) {
         let primitive = primitive_at(slot);
         let covered = covered_pixels(primitive, projection, tile);
         var left = covered_blocks(covered) & blocks_within_edges(primitive, tile);
-        let sides = vec4u(covered) << vec4u(0u, 3u, 6u, 9u);
+        let sides = packed_sides(covered);
         while left != 0u {
             let block = firstTrailingBit(left);
             left &= left - 1u;
             let place = atomicAdd(&listed[block], 1u);
-            let pixels = pixels_of_block((sides.x | sides.y) | (sides.z | sides.w), block);
+            let pixels = pixels_of_block(sides, block);
             let entry = slot | (pixels << FIRST_PIXEL_BIT);
             if place < LIST_MOST { lists.entries[block_list(found, block) + 1u + place] = entry; }
         }

@@ -8,7 +8,7 @@
 // writes  lists     [tiles of the current rows, TILE_WORDS] after the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the current rows
 
-//! use boxes, counters, frame, lane, lists, pixels, planes, primitive, projection, search, tiles
+//! use boxes, counters, frame, lists, pixels, planes, primitive, projection, search, tiles
 
 var<storage, read> bounds: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -36,16 +36,16 @@ var<private> searched: vec2u;   // corner of the first tile, in the picture
 fn search_wide_tiles(@builtin(global_invocation_id) id: vec3u) {
     let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * WIDE_TILE + vec2u(0u, frame.band.row_begin);
     if outside(corner) { return; }
-    let size = min(vec2u(WIDE_TILE), vec2u(frame.band.size.x, frame.band.row_end) - corner);
-    searched = corner + vec2u(0u, frame.band.first_row);
+    let tile = tile_at(corner, WIDE_TILE);
+    searched = tile.corner;
     let bound = deepest_bound(corner);
     let found = found_in_tile(corner);
-    search(Tile(searched, size), found, min(bound * DEEPER, FAR));
+    search(tile, found, min(bound * DEEPER, FAR));
     let given_up = steps > MOST_STEPS;
     var quadrant = 0u;
     loop {
         let own = corner + corner_of(quadrant);
-        if !outside(own) { hand_on(quadrant, own, found_in_quadrant(found, quadrant), bound, given_up); }
+        if !outside(own) { finish(quadrant, own, found_in_quadrant(found, quadrant), bound, given_up); }
         quadrant += 1u;
         if quadrant >= QUADRANTS { break; }
     }
@@ -77,10 +77,8 @@ fn deepest_bound(corner: vec2u) -> f32 {
 }
 
 // Finishes a tile's lists and appends the tile to TO_RESOLVE or SKY.
-fn hand_on(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool) {
+fn finish(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool) {
     var anything = bound < FAR || given_up || meets_planes(Tile(corner + vec2u(0u, frame.band.first_row), vec2u(TILE)));
-    lists.entries[found] = bitcast<u32>(bound);
-    lists.entries[found + BUSY_WORD] = bounds[bound_place(corner) + 1u];
     var block = 0u;
     loop {
         let count = listed[quadrant * TILE_BLOCKS + block];
@@ -89,9 +87,7 @@ fn hand_on(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool)
         block += 1u;
         if block >= TILE_BLOCKS { break; }
     }
-    let list = select(SKY, TO_RESOLVE, anything);
-    let tile_index = (corner.y - frame.band.row_begin) / TILE * tiles_across() + corner.x / TILE;
-    append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
+    hand_on(corner, found, bound, anything);
 }
 
 // Returns the range of samples that a projection with these bounds may cover: first column, first row, last column,
@@ -114,10 +110,9 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
         let begin = vec2i(corner_of(quadrant));
         let first = max(covered.xy - begin, vec2i(0));
         let last = min(covered.zw - begin, vec2i(i32(TILE) - 1));
-        let shifts = vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
-        let sides = vec4u(vec4i(first, last)) << shifts;
+        let sides = packed_sides(vec4i(first, last)) << FIRST_SIDE_BIT;
         // The entry is written even if the primitive is not kept, since entries beyond the end are ignored.
-        covering[kept] = Covering(slot | (quadrant << FIRST_PIXEL_BIT), (sides.x | sides.y) | (sides.z | sides.w));
+        covering[kept] = Covering(slot | (quadrant << FIRST_PIXEL_BIT), sides);
         kept += select(0u, 1u, all(first <= last));
         quadrant += 1u;
         if quadrant >= QUADRANTS { break; }

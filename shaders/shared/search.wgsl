@@ -1,7 +1,7 @@
 // The search of a tile's frustum for primitives, for tiles of any size. It gathers leaves of the BVH, which the
 // kernel's keep_primitive and list_kept process. The kernel's `steps` and MOST_STEPS limit the search.
 
-//! use boxes, camera, counters, fetch, in_steps, projection, tiles
+//! use boxes, camera, counters, fetch, frame, in_steps, lane, lists, pixels, projection, tiles
 
 // Factor on the depth bound. Between two samples, a surface may lie slightly deeper than both.
 const BETWEEN: f32 = 1.001;
@@ -16,6 +16,27 @@ const KEPT: u32 = 64u;
 
 // Side, in samples, of the square that search_wide_tiles searches at once: four tiles.
 const WIDE_TILE: u32 = 16u;
+
+// Returns the tile with this corner, which counts rows from the band's first.
+fn tile_at(corner: vec2u, side: u32) -> Tile {
+    let size = min(vec2u(side), vec2u(frame.band.size.x, frame.band.row_end) - corner);
+    return Tile(corner + vec2u(0u, frame.band.first_row), size);
+}
+
+// Returns the packed sides of a range of a tile's pixels: first column and row, last column and row, 3 bits each.
+fn packed_sides(covered: vec4i) -> u32 {
+    let sides = vec4u(covered) << vec4u(0u, 3u, 6u, 9u);
+    return (sides.x | sides.y) | (sides.z | sides.w);
+}
+
+// Stores a searched tile's bound and busy lights, and appends the tile to TO_RESOLVE or SKY.
+fn hand_on(corner: vec2u, found: u32, bound: f32, anything: bool) {
+    lists.entries[found] = bitcast<u32>(bound);
+    lists.entries[found + BUSY_WORD] = bounds[bound_place(corner) + 1u];
+    let list = select(SKY, TO_RESOLVE, anything);
+    let tile_index = (corner.y - frame.band.row_begin) / TILE * tiles_across() + corner.x / TILE;
+    append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
+}
 
 // A primitive that may cover a pixel's centre in a tile.
 struct Covering {
