@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{Gpu, Options, kernel::layout};
+use crate::{Gpu, kernel::layout};
 
 /// The number of rows of a band is a multiple of this, except in the last band. A band then consists of whole
 /// workgroups of the search of tiles.
@@ -24,18 +24,6 @@ pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
         wgpu::DeviceType::Cpu => 1 << 18,
         _ => 1 << 21,
     }
-}
-
-/// Returns the number of pixels of the largest band of whole tiles whose buffers fit the device's limits, if one fits.
-/// The largest buffers hold paths, or light in parts; a read-back holds all parts of all views.
-pub(crate) fn fitting_pixels(gpu: &Gpu, width: u32, views: usize, options: &Options) -> u32 {
-    let parts = if options.denoise { size_of::<layout::LightParts>() } else { 0 };
-    let paths = if options.follows_paths() { size_of::<layout::Path>() } else { 0 };
-    let largest = parts.max(paths).max(48) as u64;
-    let read_back = (32 + parts) as u64 * views as u64;
-    let pixels = (gpu.binding_limit() / largest).min(gpu.limits.max_buffer_size / read_back);
-    let rows = (pixels / u64::from(width)).saturating_sub(u64::from(2 * HALO)) / u64::from(WHOLE) * u64::from(WHOLE);
-    u32::try_from(rows.max(1) * u64::from(width)).unwrap_or(u32::MAX)
 }
 
 /// Division of a picture's rows into bands. Rows are epipolar lines of every pair of views (DESIGN, section 2). So all
@@ -69,6 +57,11 @@ impl Bands {
         let alike = height.div_ceil(height.div_ceil(most));
         let rows = if height <= most { height } else { alike.next_multiple_of(WHOLE).min(height) };
         Self { height, rows, halo: if reaches && rows < height { HALO } else { 0 } }
+    }
+
+    /// Returns the next smaller number of rows of a band, or `None` for the smallest bands.
+    pub(crate) fn fewer_rows(self) -> Option<u32> {
+        (self.rows > WHOLE).then(|| (self.rows - 1) / WHOLE * WHOLE)
     }
 
     pub(crate) fn count(self) -> u32 {

@@ -16,6 +16,6 @@ pub(crate) mod view;
 pub(crate) mod wanted;
 pub(crate) mod work;
 
-pub(crate) use bands::{Band, Bands, band_pixels, fitting_pixels};
+pub(crate) use bands::{Band, Bands, band_pixels};
 pub use rows::{OnRows, Rows, ViewRows};
 pub(crate) use targets::Cache;

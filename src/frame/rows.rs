@@ -2,7 +2,9 @@
 
 use super::targets::MOST_BYTES;
 use crate::{
-    Error, GBuffer, Options, PixelSource, ShadowSource, View, kernel::layout::LightParts, message::counted,
+    Error, GBuffer, Options, PixelSource, ShadowSource, View,
+    kernel::layout::{LightParts, Noisy},
+    message::counted,
     view::rig::Eyes,
 };
 
@@ -63,9 +65,11 @@ impl ViewRows {
         let [width, height] = eyes.pose.size;
         let pixels = u64::from(width) * u64::from(height);
         let (depth, ids) = (options.g_buffer != GBuffer::None, options.g_buffer == GBuffer::Ids);
+        // Light in parts, denoised light, and the colours made of it.
+        let denoised = (size_of::<LightParts>() + size_of::<Noisy>() + size_of::<[f32; 3]>()) as u64;
         // The sizes are bytes per pixel: 6 for colour and sources, then the requested parts.
         let each: u64 =
-            [(true, 6), (depth, 4), (ids, 8), (options.linear, 16), (options.cost_map, 4), (options.denoise, 124)]
+            [(true, 6), (depth, 4), (ids, 8), (options.linear, 16), (options.cost_map, 4), (options.denoise, denoised)]
                 .map(|(wanted, bytes)| if wanted { bytes } else { 0 })
                 .iter()
                 .sum();

@@ -113,6 +113,11 @@ impl Shape {
         }
     }
 
+    /// Returns whether a kernel can bind the largest buffer.
+    pub(crate) fn can_be_bound(&self, gpu: &Gpu, used: &Used) -> bool {
+        used.buffers().all(|(resource, _)| self.bytes(resource, used.searched) <= gpu.binding_limit())
+    }
+
     /// # Errors
     /// [`Error::Limit`] naming the limit that a picture of this width, or this number of views, exceeds.
     fn check(&self, gpu: &Gpu, used: &Used) -> Result<(), Error> {

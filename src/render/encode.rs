@@ -89,7 +89,8 @@ impl Renderer {
         let variant = self.variant(scene, &eyes, options, &plan);
         let mut used = plan.uses(&self.kernels, &variant);
         used.places.insert((Resource::Unfinished, 0));
-        let targets = self.targets(self.shape(scene, &eyes, options, (&plan, eyes.pose.size[1], drawn)), &used).await?;
+        let targets =
+            self.targets(self.shape(scene, &eyes, options, (&plan, eyes.pose.size[1], drawn, &used)), &used).await?;
         let mut go_on = |_| ControlFlow::Continue(());
         let gpu = self.gpu.clone();
         let shared = scene.resources_for(&gpu, &used, tables.as_deref()).await?;

@@ -9,7 +9,6 @@ use crate::{
     frame::{
         Band, Bands,
         driver::{Driver, Engine, Setting},
-        fitting_pixels,
         lanes::Steps,
         plan::{Made, Plan, Search},
         read::{Counts, Ids, ReadBack},
@@ -117,7 +116,7 @@ impl Renderer {
         let mut used = plan.uses(&self.kernels, &variant);
         used.places.extend(wanted.pictures.then_some((Resource::Packed, 0)));
         let rows = wanted.rows(eyes.pose.size).len() as u32;
-        let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn)), &used).await?;
+        let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn, &used)), &used).await?;
         let parts = used.places.iter().any(|(resource, _)| *resource == Resource::LightParts);
         let read_back = ReadBack::new(targets.shape, [options.linear, parts], wanted.pictures);
         let bytes = read_back.times_offset() + Timestamps::BYTES;
@@ -262,29 +261,37 @@ impl Renderer {
         if is_asked { scene.drawn() } else { None }
     }
 
-    /// Returns the shape of a frame with this number of rows.
+    /// Returns the shape of a frame with this number of rows. Bands have fewer rows than usual if their buffers would
+    /// exceed the device's limits.
     pub(super) fn shape(
         &self,
         scene: &UploadedScene,
         eyes: &Eyes,
         options: &Options,
-        (plan, rows, drawn): (&Plan, u32, Option<Drawn>),
+        (plan, rows, drawn, used): (&Plan, u32, Option<Drawn>, &Used),
     ) -> Shape {
         let rays = 1 + scene.lights.len() as u32 + scene.soft.rays(options);
         let views = eyes.sources.len();
-        let fitting = fitting_pixels(&self.gpu, eyes.pose.size[0], views, options);
-        let band_pixels = (self.band_pixels / rays.div_ceil(6)).min(fitting);
-        let bands = Bands::new([eyes.pose.size[0], rows], band_pixels, views, plan.reaches);
-        Shape {
+        let width = eyes.pose.size[0];
+        let shape = |band_pixels: u32| Shape {
             size: eyes.pose.size,
-            bands,
+            bands: Bands::new([width, rows], band_pixels, views, plan.reaches),
             views,
             cost_map: options.cost_map,
             g_buffer: options.g_buffer,
             soft_sources: scene.soft.count(options),
             drawing_bytes: drawn.map_or(0, Drawn::list_bytes),
             parts: (parts_of(scene, options).count() as u32).max(1),
+        };
+        let mut fitting = shape(self.band_pixels / rays.div_ceil(6));
+        while let Some(fewer) = fitting.bands.fewer_rows() {
+            let read_back = ReadBack::new(fitting, [options.linear, options.denoise], true).times_offset();
+            if fitting.can_be_bound(&self.gpu, used) && read_back <= self.gpu.limits.max_buffer_size {
+                break;
+            }
+            fitting = shape(fewer * width);
         }
+        fitting
     }
 
     /// Returns the variant that specialises a frame's kernels.

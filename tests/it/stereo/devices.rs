@@ -1,7 +1,8 @@
 //! Tests devices: lost devices, devices of the caller, and devices whose limits a scene or a picture exceeds.
 
 use stereotrace::{
-    Error, Fetch, Gpu, Method, Options, RaysPerLane, Renderer, Traversal, blocking::Wait, scene::builtin::Builtin, wgpu,
+    Error, Fetch, Gpu, Lighting, Method, Options, RaysPerLane, Renderer, Traversal, blocking::Wait,
+    scene::builtin::Builtin, wgpu,
 };
 
 use super::{
@@ -63,6 +64,20 @@ fn a_picture_over_the_device_s_limits_is_an_error_that_names_the_limit() {
     let message = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap_err().to_string();
     assert!(message.starts_with("a picture 8193 pixels wide by bracket needs a texture of 8193x"), "{message}");
     assert!(message.contains("max_texture_dimension_2d is 8192"), "{message}");
+}
+
+/// Paths take 64 bytes per pixel and light in parts takes 80, so a band of the usual size would need 12 MiB.
+#[test]
+fn bands_of_paths_have_as_many_rows_as_the_device_can_bind() {
+    let camera = Builtin::Near.camera(600, 260);
+    let options = Options::new(Method::BRACKET).lighting(Lighting::Paths { bounces: 1, samples: 2 }).denoise(true);
+    let [small, usual] = [limited(5 << 20, 8192), own_gpu()].map(|gpu| {
+        let mut renderer = Renderer::new(gpu);
+        let uploaded = renderer.upload(&Builtin::Near.scene()).wait().unwrap();
+        renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap()
+    });
+    assert!(small.left.rgba8 == usual.left.rgba8);
+    assert!(small.statistics.intermediate_bytes < usual.statistics.intermediate_bytes);
 }
 
 #[test]
