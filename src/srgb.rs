@@ -1,6 +1,11 @@
-//! The sRGB curve.
+//! The sRGB curve, and the brightness of its primaries.
 
 use std::sync::LazyLock;
+
+use glam::DVec3;
+
+/// Rec. 709 luminance weights of linear colours.
+pub(crate) const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
 /// Linear values of the 256 sRGB bytes.
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {

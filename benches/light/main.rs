@@ -1,11 +1,11 @@
-//! Measures light by paths: error of the right view against cost, by region: `cargo bench --bench light` prints tables
-//! and writes `chart.svg`.
+//! Measures light by paths: error of the right view against cost, by region. `cargo bench --bench light` prints a
+//! table.
 //!
 //! Naive and bracket by both rules of `Penumbra` take turns in one run. Errors are distances from a converged picture
 //! of naive, in linear light, over several seeds. A surface of a region is matte, glossy or clear; `edges` are matte
 //! pixels beside which the converged light changes by more than 5%. `--samples`, `--seeds`, `--converged` and `--size`
-//! set the effort. Times cover the passes alone, so they do not include denoising.
-//! Names select scenes: room, built-in ones, or folders of OBJ files.
+//! set the effort. Times cover the passes alone, so they do not include denoising. Names select scenes: room, built-in
+//! ones, or folders of OBJ files.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -6,7 +6,7 @@
 // reads   noisy_light, guides  [height * width]
 // writes  smooth_light         [height * width]
 
-//! use display, frame, light_parts, noisy, pixels
+//! use display, frame, noisy, octahedral, pixels
 
 // Weights of a cubic B-spline at distances 0, 1 and 2.
 const SPLINE: array<f32, 3> = array(0.375, 0.25, 0.0625);
@@ -16,9 +16,8 @@ const DEVIATIONS: vec2f = vec2f(4.0, 1.5);
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn smooth_light_once(@builtin(global_invocation_id) id: vec3u) {
-    let size = frame.band.size;
-    if any(id.xy >= size) { return; }
-    let index = id.y * size.x + id.x;
+    let index = index_beside(id.xy, vec2i(0));
+    if index == NOWHERE { return; }
     let light = noisy_light[index];
     let guide = guides[index];
     if guide.normal == NO_NORMAL { smooth_light[index] = light; return; }
@@ -30,9 +29,8 @@ fn smooth_light_once(@builtin(global_invocation_id) id: vec3u) {
     var weights = vec2f(0.0);
     for (var y = -2; y <= 2; y += 1) {
         for (var x = -2; x <= 2; x += 1) {
-            let place = vec2i(id.xy) + vec2i(x, y) * i32(frame.paths.ray);
-            if any(place < vec2i(0)) || any(place >= vec2i(size)) { continue; }
-            let other = u32(place.y) * size.x + u32(place.x);
+            let other = index_beside(id.xy, vec2i(x, y) * i32(frame.paths.ray));
+            if other == NOWHERE { continue; }
             let there = noisy_light[other];
             let off = abs(vec2f(luminance(there.diffuse), luminance(there.glossy)) - own) / tolerance;
             let spline = SPLINE[abs(x)] * SPLINE[abs(y)];

@@ -5,15 +5,14 @@
 // reads   noisy_light, guides  [height * width]
 // writes  smooth_light         [height * width]
 
-//! use frame, light_parts, noisy, pixels
+//! use noisy, octahedral, pixels
 
 const REACH: i32 = 3;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn smooth_variances(@builtin(global_invocation_id) id: vec3u) {
-    let size = frame.band.size;
-    if any(id.xy >= size) { return; }
-    let index = id.y * size.x + id.x;
+    let index = index_beside(id.xy, vec2i(0));
+    if index == NOWHERE { return; }
     var light = noisy_light[index];
     let guide = guides[index];
     if guide.normal == NO_NORMAL { smooth_light[index] = light; return; }
@@ -22,9 +21,8 @@ fn smooth_variances(@builtin(global_invocation_id) id: vec3u) {
     var weights = vec2f(0.0);
     for (var y = -REACH; y <= REACH; y += 1) {
         for (var x = -REACH; x <= REACH; x += 1) {
-            let place = vec2i(id.xy) + vec2i(x, y);
-            if any(place < vec2i(0)) || any(place >= vec2i(size)) { continue; }
-            let other = u32(place.y) * size.x + u32(place.x);
+            let other = index_beside(id.xy, vec2i(x, y));
+            if other == NOWHERE { continue; }
             let there = noisy_light[other];
             let weight = alike(guide, normal, guides[other]) * reflected_kinds(there);
             sum += weight * vec2f(there.diffuse_variance, there.glossy_variance);

@@ -23,10 +23,8 @@ fn add_brought(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let vertex = vertex_at(rays_of(pixels), target_hits(pixels, wanted));
-    let share = 1.0 / f32(max(sum.paths, 1u));
     let rest = linear_color[index].xyz * vertex.lobes.opacity;
-    let diffuse = sum.diffuse * select(share, 1.0, sum.is_known == 1u);
-    let color = rest + vertex.lobes.diffuse * diffuse + sum.glossy * share;
+    let color = rest + vertex.lobes.diffuse * mean_diffuse(sum) + mean_glossy(sum);
     keep_colors(pixels, wanted, all3(color));
     keep_parts(index, vertex, sum, rest);
 }

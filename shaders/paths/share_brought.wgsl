@@ -30,29 +30,29 @@ fn share_brought(@builtin(global_invocation_id) id: vec3u) {
     let seen = view[index];
     if seen.slot == MISS { return; }
     let material = primitive_texel(seen.slot, 2u).w & MATERIAL;
-    let is_shared = !is_bumpy(material) && take_light(pixel, index, seen);
+    let is_shared = !is_bumpy(material) && take_light(pixel, index, seen, material);
     if !is_shared || is_glossy(material) { append(TO_TRACE, reserve(TO_TRACE, 1u), index); }
 }
 
-fn take_light(pixel: vec2u, index: u32, seen: Pixel) -> bool {
+fn take_light(pixel: vec2u, index: u32, seen: Pixel, material: u32) -> bool {
     let at = place_between(nearest_source(), pixel, seen.depth);
     if !at.usable { return false; }
     let component = primitive_texel(seen.slot, 1u).w;
     let first = pixel_index(at.first);
     if !vouches(at, source_sample(at.first), component) { return false; }
     if !vouches(at, source_sample(at.first + vec2u(1u, 0u)), component) { return false; }
-    let material = primitive_texel(seen.slot, 2u).w & MATERIAL;
     if !is_alike(seen.slot, material, source[first].slot) { return false; }
     if !is_alike(seen.slot, material, source[first + 1u].slot) { return false; }
     let before = source_brought[first];
     let after = source_brought[first + 1u];
     if before.paths < 2u || after.paths < 2u { return false; }
-    let a = luminance(before.diffuse) / f32(before.paths);
-    let b = luminance(after.diffuse) / f32(after.paths);
+    let means = array(mean_diffuse(before), mean_diffuse(after));
+    let a = luminance(means[0]);
+    let b = luminance(means[1]);
     let variances = vec2f(mean_variances(before).x, mean_variances(after).x);
     let chance = frame.paths.tolerance * sqrt(variances.x + variances.y);
     if abs(a - b) > max(chance, NEARLY_EQUAL * 0.5 * (a + b)) { return false; }
-    brought[index].diffuse = mix(before.diffuse / f32(before.paths), after.diffuse / f32(after.paths), at.way);
+    brought[index].diffuse = mix(means[0], means[1], at.way);
     brought[index].newest.x = mix(variances.x, variances.y, at.way);
     brought[index].is_known = 1u;
     return true;

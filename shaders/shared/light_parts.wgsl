@@ -1,9 +1,7 @@
 // Light of pixels in parts, which are read back for denoising.
 
-//! use paths, scattering
+//! use octahedral, paths, scattering
 
-// Marks a pixel that shows no surface.
-const NO_NORMAL: u32 = 0x80008000u;
 // Variance of light of a kind that a surface does not reflect.
 const NO_LIGHT: f32 = -1.0;
 
@@ -25,23 +23,14 @@ struct LightParts {
 
 var<storage, read_write> light_parts: array<LightParts>;
 
-// Returns a unit vector, folded onto a square (Meyer et al. 2010, "On Floating-Point Normal Vectors").
-fn octahedral(normal: vec3f) -> u32 {
-    let flat = normal.xy / (abs(normal.x) + abs(normal.y) + abs(normal.z));
-    let folded = (1.0 - abs(flat.yx)) * select(vec2f(-1.0), vec2f(1.0), flat >= vec2f(0.0));
-    return pack2x16snorm(select(flat, folded, normal.z < 0.0));
-}
-
 fn keep_parts(index: u32, vertex: Vertex, sum: Brought, rest: vec3f) {
-    let share = 1.0 / f32(max(sum.paths, 1u));
-    let is_known = sum.is_known == 1u;
     let variances = mean_variances(sum);
     let lobes = vertex.lobes;
     let is_matte = lobes.glossy == 0.0 && lobes.opacity == 1.0;
     light_parts[index] = LightParts(
-        select(sum.diffuse * share, sum.diffuse, is_known),
-        select(select(variances.x, sum.newest.x, is_known), NO_LIGHT, all(lobes.diffuse == vec3f(0.0))),
-        sum.glossy * share,
+        mean_diffuse(sum),
+        select(variances.x, NO_LIGHT, all(lobes.diffuse == vec3f(0.0))),
+        mean_glossy(sum),
         select(variances.y, NO_LIGHT, is_matte),
         lobes.diffuse,
         octahedral(vertex.normal),

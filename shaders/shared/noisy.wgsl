@@ -1,6 +1,6 @@
 // Noisy light of a strip of a picture, and the surfaces that its pixels show, for denoising.
 
-//! use light_parts
+//! use frame, octahedral
 
 struct Noisy {
     diffuse: vec3f,
@@ -24,11 +24,14 @@ const GLOSSY_NORMALS: f32 = 128.0;
 // Slope between two pixels' points and the plane of one of them at which their weight falls to 1/e.
 const SLOPE: f32 = 0.1;
 
-fn from_octahedral(packed: u32) -> vec3f {
-    let flat = unpack2x16snorm(packed);
-    let z = 1.0 - abs(flat.x) - abs(flat.y);
-    let folded = (1.0 - abs(flat.yx)) * select(vec2f(-1.0), vec2f(1.0), flat >= vec2f(0.0));
-    return normalize(vec3f(select(flat, folded, z < 0.0), z));
+// Returned for places outside the strip.
+const NOWHERE: u32 = 0xffffffffu;
+
+// Returns the index of the pixel at an offset from another, or NOWHERE.
+fn index_beside(pixel: vec2u, offset: vec2i) -> u32 {
+    let place = vec2i(pixel) + offset;
+    if any(place < vec2i(0)) || any(place >= vec2i(frame.band.size)) { return NOWHERE; }
+    return u32(place.y) * frame.band.size.x + u32(place.x);
 }
 
 // Returns 1 for the kinds of light, diffuse and glossy, that a pixel's surface reflects, and 0 for the others.

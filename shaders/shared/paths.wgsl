@@ -32,13 +32,23 @@ struct Brought {
     newest: vec2f,       // brightness that the newest path brought; if `diffuse` is known, its variance instead
 }
 
-// Returns the variances of the means of a pixel's paths, by brightness: diffuse and glossy.
+// Returns the means of a pixel's paths.
+fn mean_diffuse(sum: Brought) -> vec3f {
+    return sum.diffuse * select(1.0 / f32(max(sum.paths, 1u)), 1.0, sum.is_known == 1u);
+}
+
+fn mean_glossy(sum: Brought) -> vec3f { return sum.glossy * (1.0 / f32(max(sum.paths, 1u))); }
+
+// Returns the variances of these means, by brightness: diffuse and glossy. A single path tells nothing of them.
 fn mean_variances(sum: Brought) -> vec2f {
-    if sum.paths < 2u { return vec2f(0.0); }
-    let count = f32(sum.paths);
-    let means = vec2f(luminance(sum.diffuse), luminance(sum.glossy)) / count;
-    let squares = sum.squares + sum.newest * sum.newest;
-    return max(squares / count - means * means, vec2f(0.0)) / (count - 1.0);
+    var variances = vec2f(0.0);
+    if sum.paths > 1u {
+        let count = f32(sum.paths);
+        let means = vec2f(luminance(sum.diffuse), luminance(sum.glossy)) / count;
+        let squares = sum.squares + sum.newest * sum.newest;
+        variances = max(squares / count - means * means, vec2f(0.0)) / (count - 1.0);
+    }
+    return select(variances, vec2f(sum.newest.x, variances.y), sum.is_known == 1u);
 }
 
 // Adds a path to the list of those whose ray of this number is not traced yet. Rays are counted from 1. The order of a

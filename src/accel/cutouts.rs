@@ -3,14 +3,12 @@
 
 use std::collections::HashMap;
 
-use glam::Vec3;
-
-use crate::{Scene, Texture, TextureKind, accel::table::wrap_number, gpu::Texel, scene::material::MASK_ALPHA};
+use crate::{
+    Scene, Texture, TextureKind, accel::table::wrap_number, gpu::Texel, scene::material::MASK_ALPHA, srgb::BRIGHTNESS,
+};
 
 /// Number of texture pixels per texel of a mask.
 const MASK_PIXELS: usize = 128;
-/// Rec. 709 luminance weights.
-const BRIGHTNESS: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// Returns the cut-out textures, each with the index of its material.
 pub(crate) fn cutouts_of(scene: &Scene) -> Vec<(usize, Texture)> {
@@ -63,7 +61,7 @@ fn push_mask(texels: &mut Vec<Texel>, texture: &Texture) {
             from_below.filter(|(_, [.., alpha])| *alpha >= MASK_ALPHA).for_each(|(pixel, _)| mark(pixel));
         }
         TextureKind::Checkerboard { colors, .. } => {
-            let bright = colors.map(|color| color.dot(BRIGHTNESS) >= 0.5);
+            let bright = colors.map(|color| color.dot(BRIGHTNESS.as_vec3()) >= 0.5);
             let is_bright = |pixel: &usize| bright[(pixel / width + pixel % width) % 2];
             (0..width * height).filter(is_bright).for_each(mark);
         }
@@ -72,6 +70,8 @@ fn push_mask(texels: &mut Vec<Texel>, texture: &Texture) {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::{Material, Wrap};
 

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::table::{BRIGHTNESS, texel};
-use crate::{Material, MaterialId, Scene, gpu::Texel};
+use super::table::texel;
+use crate::{Material, MaterialId, Scene, gpu::Texel, srgb::BRIGHTNESS};
 
 /// Number of texels of an emitting primitive.
 pub(crate) const TEXELS: usize = 4;

@@ -2,7 +2,7 @@
 
 use std::{iter, sync::OnceLock};
 
-use glam::{DVec3, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use half::f16;
 
 use super::{emitters::Emitters, facets};
@@ -10,14 +10,12 @@ use crate::{
     Finish, Light, LightShape, Material, Principled, Scene, Sky, SkyMap, Texture, TextureId, TextureKind, Wrap,
     gpu::Texel,
     kernel::variant::{light_texels, material_texels},
+    srgb::BRIGHTNESS,
     srgb::linear_of,
 };
 
 /// Number of texels before the lights.
 const HEAD: usize = 3;
-
-/// Rec. 709 luminance weights of linear colours.
-pub(crate) const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
 /// Kind of a checkerboard texture; `CHECKERBOARD` in textures.wgsl.
 const CHECKERBOARD: u32 = 1;

@@ -24,7 +24,7 @@ pub(crate) enum Role {
     Shade(Shading),
     /// Follows paths of light from hits, or adds the light that they brought.
     Paths,
-    /// Takes over the light that the paths of a source view brought.
+    /// Reuses the light that the paths of a source view brought.
     SharePaths,
 }
 

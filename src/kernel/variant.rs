@@ -315,7 +315,12 @@ impl Variant {
         };
         let does = role.does();
         let asks = does.queries_shadow_buffers && with.casts_from_lights();
-        Self { masked: self.masked && does.minds_mask, shadow_buffer: with.shadow_buffer.filter(|_| asks), ..with }
+        Self {
+            masked: self.masked && does.minds_mask,
+            parts: self.parts && role == Role::Paths,
+            shadow_buffer: with.shadow_buffer.filter(|_| asks),
+            ..with
+        }
     }
 
     /// Returns the indices of a primitive's optional texels.

@@ -93,6 +93,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "materials",
     "noisy",
     "objects",
+    "octahedral",
     "paths",
     "pixels",
     "planes",

@@ -85,20 +85,16 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
     }
     // Methods that copy colour copy it before paths add to it.
     let shares = bits == ShadowReuse::Two && paths.is_some_and(|paths| paths.is_shared);
-    let is_shared = |view: usize| sources[view] != view && shares;
-    let followed = |view| match paths {
-        Some(paths) if is_shared(view) => paths::shared(view, paths),
-        Some(paths) => paths::of(view, paths),
-        None => Vec::new(),
-    };
-    let sources_first = all.clone().filter(|view| !is_shared(*view)).chain(all.clone().filter(|view| is_shared(*view)));
-    stages.extend(sources_first.map(|view| Stage::Steps(followed(view))));
+    let (sharing, own): (Vec<usize>, Vec<usize>) = all.clone().partition(|&view| shares && sources[view] != view);
+    let followed = |view| paths.map_or(Vec::new(), |paths| paths::of(view, paths));
+    let shared = |view| paths.map_or(Vec::new(), |paths| paths::shared(view, paths));
+    stages.extend(own.into_iter().map(|view| Stage::Steps(followed(view))));
+    stages.extend(sharing.into_iter().map(|view| Stage::Steps(shared(view))));
     let traced = if drawn.is_some() { Made::Drawn } else { Made::Traced };
     let made = all.clone().map(|view| if sources[view] == view { traced } else { made }).collect();
     let in_steps = all.map(|view| InSteps {
         trace: trace::in_steps(view, sources[view]),
-        after: [trace::after_steps(view, soft), behind(view), paths.map_or(Vec::new(), |paths| paths::of(view, paths))]
-            .concat(),
+        after: [trace::after_steps(view, soft), behind(view), followed(view)].concat(),
     });
     let in_steps = in_steps.collect();
     Plan { stages: joined(stages), bits, samples, search, reaches, made, sources: sources.to_vec(), in_steps }

@@ -18,7 +18,7 @@ pub(crate) const SMOOTH_LIGHT_ONCE: Kernel = kernel!("denoise", "smooth_light_on
 /// Distances between the pixels that each pass averages, in pixels.
 const STEPS: [u32; 5] = [1, 2, 4, 8, 16];
 /// Number of rows above and below a strip that its pixels depend on: the reach of all passes.
-const REACH: usize = 3 + 5 * STEPS.len() + 2 * (1 + 2 + 4 + 8 + 16);
+const REACH: usize = 3 + 2 * (STEPS[0] + STEPS[1] + STEPS[2] + STEPS[3] + STEPS[4]) as usize;
 /// Number of pixels of a strip, without the rows beside it.
 const STRIP: usize = 1 << 21;
 /// Largest variance; sums of larger ones could overflow.
@@ -162,14 +162,9 @@ mod tests {
         (0..width * height).map(pixel).collect()
     }
 
-    fn renderer() -> Renderer {
-        let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        Renderer::new(Gpu::open(wanted).wait().unwrap())
-    }
-
     #[test]
     fn light_is_smoothed_up_to_edges_and_strips_change_nothing() {
-        let (renderer, size) = (renderer(), [80, 200]);
+        let (renderer, size) = (Renderer::new(Gpu::under_test()), [80, 200]);
         let parts = floor(size[0], size[1]);
         let whole = renderer.smoothed(&parts, size, STRIP).wait().unwrap();
         let in_strips = renderer.smoothed(&parts, size, 80 * 24).wait().unwrap();
@@ -194,7 +189,8 @@ mod tests {
     fn a_pixel_without_a_surface_keeps_its_colour() {
         let mut parts = floor(20, 20);
         parts[210] = LightParts { normal: NO_NORMAL, rest: [0.5, 0.25, 0.125], ..LightParts::default() };
-        let smooth = renderer().smoothed(&parts, [20, 20], STRIP).wait().unwrap();
+        let renderer = Renderer::new(Gpu::under_test());
+        let smooth = renderer.smoothed(&parts, [20, 20], STRIP).wait().unwrap();
         assert_eq!(parts[210].lit_by(&smooth[210]), [0.5, 0.25, 0.125]);
         assert!(smooth.iter().all(|noisy| noisy.diffuse.iter().all(|value| value.is_finite())));
         // Light that is not finite, or that a surface does not reflect, reaches no other pixel.
@@ -202,7 +198,7 @@ mod tests {
         parts[205].diffuse = [f32::INFINITY, 1.0, f32::NAN];
         parts[215].diffuse_variance = NO_LIGHT;
         parts[215].diffuse = [0.0; 3];
-        let smooth = renderer().smoothed(&parts, [20, 20], STRIP).wait().unwrap();
+        let smooth = renderer.smoothed(&parts, [20, 20], STRIP).wait().unwrap();
         assert!(smooth.iter().all(|noisy| noisy.diffuse.iter().all(|value| value.is_finite())));
         assert_eq!(smooth[215].diffuse, [0.0; 3]);
         assert!((195..235).filter(|index| ![205, 215].contains(index)).all(|index| smooth[index].diffuse[0] > 0.3));

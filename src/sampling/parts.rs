@@ -2,7 +2,10 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::kernel::layout::{LightParts, NO_LIGHT, NO_NORMAL};
+use crate::{
+    kernel::layout::{LightParts, NO_LIGHT, NO_NORMAL},
+    srgb::BRIGHTNESS,
+};
 
 /// Sums over a pixel's samples so far. Pairs hold diffuse light before the albedo and glossy light, over the samples
 /// that reflect this kind.
@@ -43,7 +46,7 @@ impl PartSums {
         self.surface += weight;
         let variances = Vec2::new(parts.diffuse_variance, parts.glossy_variance);
         let weights = Vec2::select(variances.cmpge(Vec2::ZERO), Vec2::splat(weight), Vec2::ZERO);
-        let brightness = Vec2::new(luminance(diffuse), luminance(glossy));
+        let brightness = Vec2::new(diffuse.dot(BRIGHTNESS.as_vec3()), glossy.dot(BRIGHTNESS.as_vec3()));
         self.diffuse += weights.x * diffuse;
         self.weights += weights;
         self.brightness += weights * brightness;
@@ -89,17 +92,15 @@ impl PartSums {
     }
 }
 
-/// Luminance of linear light by Rec. 709.
-fn luminance(color: Vec3) -> f32 {
-    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+/// Folds the corners of a square over its inner diamond, or back.
+fn folded(at: Vec2) -> Vec2 {
+    (1.0 - Vec2::new(at.y, at.x).abs()) * Vec2::select(at.cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE)
 }
 
-/// Folds a unit vector onto a square, as `octahedral` of `shaders/shared/light_parts.wgsl` does.
+/// Folds a unit vector onto a square, as `octahedral` of `shaders/shared/octahedral.wgsl` does.
 fn octahedral(normal: Vec3) -> u32 {
     let flat = normal.truncate() / normal.abs().element_sum();
-    let folded =
-        (1.0 - Vec2::new(flat.y, flat.x).abs()) * Vec2::select(flat.cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE);
-    let place = if normal.z < 0.0 { folded } else { flat };
+    let place = if normal.z < 0.0 { folded(flat) } else { flat };
     let word = |value: f32| u32::from((value.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
     word(place.x) | (word(place.y) << 16)
 }
@@ -108,9 +109,7 @@ fn from_octahedral(packed: u32) -> Vec3 {
     let part = |bits: u32| (f32::from(bits as u16 as i16) / 32767.0).max(-1.0);
     let flat = Vec2::new(part(packed), part(packed >> 16));
     let z = 1.0 - flat.abs().element_sum();
-    let folded =
-        (1.0 - Vec2::new(flat.y, flat.x).abs()) * Vec2::select(flat.cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE);
-    (if z < 0.0 { folded } else { flat }).extend(z).normalize()
+    (if z < 0.0 { folded(flat) } else { flat }).extend(z).normalize()
 }
 
 #[cfg(test)]
