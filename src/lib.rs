@@ -171,8 +171,8 @@ pub use render::{RigView, Views};
 pub use render::{Update, UploadInfo, UploadedScene};
 pub use scene::builtin::Builtin;
 pub use scene::{
-    Ellipsoid, Finish, Light, LightShape, MISS, Material, MaterialId, Mesh, Plane, Principled, Scene, Sky, SkyMap,
-    Sphere, Texture, TextureId, TextureKind, Triangle, Wrap,
+    Cone, Ellipsoid, Falloff, Finish, Light, LightShape, MISS, Material, MaterialId, Mesh, Plane, Principled, Scene,
+    Sky, SkyMap, Sphere, Texture, TextureId, TextureKind, Triangle, Wrap,
 };
 pub use truth::channels::{Channels, Values};
 pub use truth::disparity::Occlusion;

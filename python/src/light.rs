@@ -1,19 +1,24 @@
 //! Lights.
 
 use pyo3::prelude::*;
-use stereotrace::LightShape;
+use stereotrace::{Falloff, LightShape};
 
 use crate::{
     pickled::{Reduced, bytes, reduced},
     values::{Color, Point, Position, tuple},
 };
 
-/// A light without falloff: its distance does not change its brightness.
+/// A light. Without falloff, its distance does not change its brightness.
 ///
 /// ``Light.point``, ``Light.sphere``, ``Light.rectangle`` and ``Light.directional`` make one. ``intensity`` is the
 /// radiance that the whole light adds to a white surface that faces it. It is linear RGB, 0 or more, or one number for
 /// all three channels. Lights are invisible themselves. All lights but points are sampled by the option
 /// ``shadow_rays``, so that shadows have a penumbra. A scene may have at most 16 of these.
+///
+/// ``with_quadratic_falloff`` returns a light whose brightness falls with the square of the distance. ``intensity`` is
+/// then the radiance of a white surface at a distance of 1 world unit. A sphere of radiance L and radius r has the
+/// intensity L r². A rectangle of radiance L and area A has the intensity L A / π. It emits on one side, the one that
+/// the cross product of ``half_width`` and ``half_height`` points to. ``with_cone`` returns a spot light.
 ///
 /// Lights are immutable: ``replace`` makes changed copies. They compare by value and can be pickled. Rendering checks
 /// their values, and raises ``ValueError`` for values out of range.
@@ -56,6 +61,22 @@ impl Light {
     #[staticmethod]
     fn directional(towards: Position, radius: f32, intensity: Color) -> Self {
         Self(stereotrace::Light::directional(towards.0, radius, intensity.0))
+    }
+
+    /// Returns a copy whose brightness falls with the square of the distance. With a ``range`` in world units, above 0,
+    /// it is multiplied by ``1 - (distance / range)**4``. Directional lights have no falloff.
+    #[pyo3(signature = (*, range = None))]
+    fn with_quadratic_falloff(&self, range: Option<f32>) -> Self {
+        let mut light = self.0;
+        light.falloff = Falloff::Quadratic { range };
+        Self(light)
+    }
+
+    /// Returns a copy of a point or spherical light that shines in a cone only. ``direction`` is the axis, of any
+    /// length but 0. Brightness is full up to the angle ``inner`` from the axis and 0 from ``outer`` on. The angles are
+    /// in radians: ``inner`` is less than ``outer``, and ``outer`` at most π/2.
+    fn with_cone(&self, direction: Point, inner: f32, outer: f32) -> Self {
+        Self(self.0.with_cone(direction.0, inner, outer))
     }
 
     /// World position of the middle, or the direction to a directional light: a tuple of three.

@@ -403,7 +403,7 @@ class Camera:
 
 @final
 class Light:
-    """A light without falloff."""
+    """A light."""
 
     __hash__: ClassVar[None]  # type: ignore[assignment]
     @staticmethod
@@ -414,6 +414,8 @@ class Light:
     def rectangle(position: Point, half_width: Point, half_height: Point, intensity: Color) -> Light: ...
     @staticmethod
     def directional(towards: Point, radius: float, intensity: Color) -> Light: ...
+    def with_quadratic_falloff(self, *, range: float | None = None) -> Light: ...
+    def with_cone(self, direction: Point, inner: float, outer: float) -> Light: ...
     @property
     def position(self) -> _Vector: ...
     @property

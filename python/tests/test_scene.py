@@ -125,7 +125,7 @@ def test_lights_and_sky(renderer):
     scene = Scene()
     scene.add_mesh(VERTICES, FACES)
     lamps = [
-        Light.point((0, 0, 3), 0.5),
+        Light.point((0, 0, 3), 0.5).with_quadratic_falloff(range=7).with_cone((0, 0, -1), 0.1, 0.4),
         Light.sphere((0, 0, 3), 0.2, (0.5, 0.4, 0.3)),
         Light.rectangle((0, 0, 3), (1, 0, 0), (0, 1, 0), 0.5),
         Light.directional((0, 0, 1), 0.01, 0.5),

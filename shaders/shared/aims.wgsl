@@ -8,6 +8,7 @@
 // base.
 struct Aim {
     kind: u32,
+    light: u32,
     count: u32,       // number of rays to the source
     start: vec3f,     // ray origin, moved off the surface
     base: vec3f,
@@ -24,7 +25,8 @@ struct Four {
     y: vec4f,
     z: vec4f,
     far: vec4f,       // maximum length of the ray, world units
-    weight: vec4f,    // cosine factor of the ray's light; 1 for ambient light, 0 for an unwanted ray
+    weight: vec4f,    // cosine times `fade`; 1 for ambient light, 0 for an unwanted ray
+    fade: vec4f,      // share of the light's intensity, by distance and direction
     wanted: vec4<bool>,
 }
 
@@ -44,7 +46,7 @@ fn sum_of_four(four: vec4f) -> f32 {
 //! end
 // Kind of a light, stored in w of the light's first texel. The light's size is stored in w of its second texel.
 const POINT: u32 = 0u;
-// Kind 1 is a spherical light, and its size is the radius.
+const SPHERE: u32 = 1u;        // its size is the radius
 const RECTANGLE: u32 = 2u;     // third and fourth texel: vectors from its centre to the centres of two sides
 const SUN: u32 = 3u;           // its position is a unit direction; its size is the tangent of its angular radius
 const SURROUNDINGS: u32 = 4u;  // ambient light, indexed after the last light; its rays end after occlusion_radius
@@ -59,6 +61,58 @@ fn across(n: vec3f) -> array<vec3f, 2> {
         vec3f(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
         vec3f(b, sign + n.y * n.y * a, -n.y),
     );
+}
+
+//! if fading is none
+// Returns the share of a light's intensity that arrives from a place on the light. `to_light` leads to that place and
+// `to_middle` to the light's centre.
+fn faded(light: u32, kind: u32, to_light: vec3f, to_middle: vec3f) -> f32 { return 1.0; }
+
+// Returns the radius of the disc that stands for a sphere.
+fn disc_of(light: u32, kind: u32, size: f32, to_middle: vec3f) -> f32 { return size; }
+
+//! if fading is some
+// Least share of a squared distance from a sphere's centre that is outside the sphere.
+const LEAST_OUTSIDE: f32 = 1e-4;
+
+// Returns the share of a squared distance that is outside a sphere.
+fn outside_share(size: f32, to_middle: vec3f) -> f32 {
+    return max(1.0 - size * size / max(dot(to_middle, to_middle), 1e-30), LEAST_OUTSIDE);
+}
+
+// The w of the third and fourth texels hold the scale of the cone and the range, which is 0 without falloff. Both
+// factors are those of `KHR_lights_punctual`.
+fn faded(light: u32, kind: u32, to_light: vec3f, to_middle: vec3f) -> f32 {
+    let first = LIGHTS + LIGHT_TEXELS * light;
+    let third = table_texel(first + 2u);
+    let fourth = table_texel(first + 3u);
+    let range = bitcast<f32>(fourth.w);
+    let squared = max(dot(to_light, to_light), 1e-30);
+    var share = 1.0;
+    if range > 0.0 {
+        let ranges = squared / (range * range);
+        share = clamp(1.0 - ranges * ranges, 0.0, 1.0) / squared;
+        if kind == SPHERE {
+            let size = bitcast<f32>(table_texel(first + 1u).w);
+            share *= length(to_middle) * inverseSqrt(squared) / outside_share(size, to_middle);
+        }
+        if kind == RECTANGLE {
+            let normal = normalize(cross(bitcast<vec3f>(third.xyz), bitcast<vec3f>(fourth.xyz)));
+            share *= max(-dot(normal, to_light) * inverseSqrt(squared), 0.0);
+        }
+    }
+    if kind != RECTANGLE {
+        let cosine = -dot(bitcast<vec3f>(third.xyz), to_light) * inverseSqrt(squared);
+        let root = clamp(cosine * bitcast<f32>(third.w) + bitcast<f32>(fourth.x), 0.0, 1.0);
+        share *= root * root;
+    }
+    return share;
+}
+
+// A sphere with falloff is a disc of the same solid angle at its centre, so its irradiance is exact.
+fn disc_of(light: u32, kind: u32, size: f32, to_middle: vec3f) -> f32 {
+    if kind != SPHERE || bitcast<f32>(table_texel(LIGHTS + LIGHT_TEXELS * light + 3u).w) <= 0.0 { return size; }
+    return size * inverseSqrt(outside_share(size, to_middle));
 }
 
 //! if soft is none
@@ -95,6 +149,7 @@ fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {
     if CLOSE { reach = min(reach, max(max(from_eye.x, from_eye.y), from_eye.z) * LARGE); }
     var aim: Aim;
     aim.kind = kind;
+    aim.light = light;
     aim.geometric_normal = of_ray3(surfaces.geometric_normal, ray);
     aim.shading_normal = of_ray3(surfaces.shading_normal, ray);
     aim.start = point + aim.geometric_normal * off_surface(point, eye, reach);
@@ -107,6 +162,7 @@ fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {
         let middle = shading_vector(first);
         size = bitcast<f32>(table_texel(first + 1u).w);
         aim.base = select(middle - aim.start, middle, kind == SUN);
+        size = disc_of(light, kind, size, aim.base);
         // A sun of size 0 needs only one ray.
         if size == 0.0 && kind == SUN { aim.count = 1u; }
         aim.along = shading_vector(first + 2u);
@@ -143,7 +199,7 @@ fn spread_four(aim: Aim, group: u32) -> Four {
 // Returns rays in four directions. Rays that point below the surface are marked as not wanted.
 fn facing_four(aim: Aim, index: vec4u, x: vec4f, y: vec4f, z: vec4f) -> Four {
     let far = sqrt(x * x + y * y + z * z);
-    var rays = Four(x / far, y / far, z / far, far, vec4f(1.0), index < vec4u(aim.count));
+    var rays = Four(x / far, y / far, z / far, far, vec4f(1.0), vec4f(1.0), index < vec4u(aim.count));
     if aim.kind == SUN { rays.far = vec4f(FAR); }
     let above = rays.x * aim.geometric_normal.x + rays.y * aim.geometric_normal.y + rays.z * aim.geometric_normal.z;
     let cosine = rays.x * aim.shading_normal.x + rays.y * aim.shading_normal.y + rays.z * aim.shading_normal.z;
@@ -151,12 +207,29 @@ fn facing_four(aim: Aim, index: vec4u, x: vec4f, y: vec4f, z: vec4f) -> Four {
     if aim.kind == SURROUNDINGS {
         rays.far = vec4f(frame.lighting.occlusion_radius);
     } else {
-        rays.weight = cosine;
+        rays.fade = faded_four(aim, x, y, z);
+        rays.weight = cosine * rays.fade;
     }
     rays.weight = select(vec4f(0.0), rays.weight, rays.wanted);
     return rays;
 }
 
+//! if fading is none and soft is masked or asked or followed
+fn faded_four(aim: Aim, x: vec4f, y: vec4f, z: vec4f) -> vec4f { return vec4f(1.0); }
+
+//! if fading is some and soft is masked or asked or followed
+fn faded_four(aim: Aim, x: vec4f, y: vec4f, z: vec4f) -> vec4f {
+    var shares = vec4f(1.0);
+    var index = 0u;
+    loop {
+        shares[index] = faded(aim.light, aim.kind, vec3f(x[index], y[index], z[index]), aim.base);
+        index += 1u;
+        if index >= 4u { break; }
+    }
+    return shares;
+}
+
+//! if soft is masked or asked or followed
 // Returns whether a source is always visible. This holds for lights if shadows are disabled, but never for ambient
 // light.
 fn is_never_hidden(kind: u32) -> bool {

@@ -44,12 +44,13 @@ fn sent_from_lights(vertex: Vertex, pair: u32, is_first: bool) -> Sent {
     let start = leaving(vertex, 1.0);
     var base = bitcast<vec3f>(head.xyz);
     if head.w != SUN { base -= start; }
+    let to_middle = base;
     if head.w == RECTANGLE {
         base += shading_vector(first + 2u) * (2.0 * at.x - 1.0) + shading_vector(first + 3u) * (2.0 * at.y - 1.0);
     } else if head.w != POINT {
         let sides = across(normalize(base));
         let turn = TWO_PI * at.y;
-        base += (sides[0] * cos(turn) + sides[1] * sin(turn)) * (size * sqrt(at.x));
+        base += (sides[0] * cos(turn) + sides[1] * sin(turn)) * (disc_of(light, head.w, size, to_middle) * sqrt(at.x));
     }
     let far = length(base);
     if far <= 0.0 { return none; }
@@ -57,7 +58,8 @@ fn sent_from_lights(vertex: Vertex, pair: u32, is_first: bool) -> Sent {
     let there = reflectance_of(vertex, to_light);
     if there.diffuse <= 0.0 { return none; }
     // A light's intensity is the radiance of a white surface that faces it, so its irradiance is pi times as large.
-    let scale = shading_vector(first + 1u) * (f32(count) * vertex.lobes.opacity / INVERSE_PI);
+    let fade = faded(light, head.w, base, to_middle);
+    let scale = shading_vector(first + 1u) * (f32(count) * fade * vertex.lobes.opacity / INVERSE_PI);
     let passed = passing(start, to_light, select(far, FAR, head.w == SUN), is_first);
     return Sent(scale * passed * there.diffuse, scale * passed * there.glossy);
 }

@@ -44,9 +44,10 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
         if any_ray(faces) {
             let lit = lit_by(light, faces, ShadowRay(position, add3(point, aside), direction, distance));
             if is_put_off(faces) { break; }
-            sum.diffuse = add3(sum.diffuse, times3(all3(intensity), select(F(0.0), cosine, lit)));
+            let arriving = times3(all3(intensity), faded_rays(light, straight));
+            sum.diffuse = add3(sum.diffuse, times3(arriving, select(F(0.0), cosine, lit)));
             if SHINE {
-                let shine = product3(all3(intensity), highlight(surfaces, direction, eye));
+                let shine = product3(arriving, highlight(surfaces, direction, eye));
                 sum.shine = add3(sum.shine, select3(all3(vec3f(0.0)), shine, lit));
             }
         }
@@ -56,6 +57,24 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
     }
     cut_short |= light < light_count && !keep_lights(sum, light);
     return sum;
+}
+
+//! if lights is some and fading is none
+fn faded_rays(light: u32, straight: F3) -> F { return F(1.0); }
+
+//! if lights is some and fading is some
+// Returns the shares of a point light's intensity that arrive at the points of a lane's rays. `straight` leads from the
+// light to the points.
+fn faded_rays(light: u32, straight: F3) -> F {
+    var shares = F(1.0);
+    var ray = 0u;
+    loop {
+        let to_light = -of_ray3(straight, ray);
+        shares = with_ray(shares, ray, faded(light, POINT, to_light, to_light));
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    return shares;
 }
 
 //! if lights is none

@@ -70,11 +70,13 @@ fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u3
         sums.open += select(vec4f(0.0), rays.weight, open);
         if SHINE && aim.kind != SURROUNDINGS {
             let shine = four_highlights(rays, aim, surfaces, eye, ray);
-            sums.all_shine += shine.plain;
-            sums.open_shine += select(vec4f(0.0), shine.plain, open);
+            let plain = shine.plain * rays.fade;
+            sums.all_shine += plain;
+            sums.open_shine += select(vec4f(0.0), plain, open);
             if FACETS {
-                sums.all_grazing += shine.grazing;
-                sums.open_grazing += select(vec4f(0.0), shine.grazing, open);
+                let grazing = shine.grazing * rays.fade;
+                sums.all_grazing += grazing;
+                sums.open_grazing += select(vec4f(0.0), grazing, open);
             }
         }
         group += 1u;

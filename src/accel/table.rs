@@ -7,7 +7,8 @@ use half::f16;
 
 use super::{emitters::Emitters, facets};
 use crate::{
-    Finish, Light, LightShape, Material, Principled, Scene, Sky, SkyMap, Texture, TextureId, TextureKind, Wrap,
+    Cone, Falloff, Finish, Light, LightShape, Material, Principled, Scene, Sky, SkyMap, Texture, TextureId,
+    TextureKind, Wrap,
     gpu::Texel,
     kernel::variant::{light_texels, material_texels},
     srgb::BRIGHTNESS,
@@ -78,7 +79,12 @@ impl<'a> ShadingTable<'a> {
     pub(crate) fn of(scene: &'a Scene) -> Self {
         let more = |material: &Material| material.shines() || material.sends_rays();
         let each = material_texels(scene.materials().iter().any(more), scene.has_principled());
-        Self { scene, each, each_light: light_texels(scene.soft_lights().next().is_some()), emitters: OnceLock::new() }
+        Self {
+            scene,
+            each,
+            each_light: light_texels(scene.soft_lights().next().is_some(), scene.has_fading_lights()),
+            emitters: OnceLock::new(),
+        }
     }
 
     fn emitters(&self) -> &Emitters {
@@ -218,14 +224,28 @@ fn row_weight(row: usize, rows: usize) -> f64 {
 
 /// Returns the texels of a light (soft.wgsl). `place` is its position relative to the scene's origin.
 fn light_of(light: &Light, place: Vec3) -> [Texel; 4] {
+    let (scale, offset, axis) = cone_of(light.cone);
     let (kind, size, sides) = match light.shape {
-        LightShape::Point => (0, 0.0, [Vec3::ZERO; 2]),
-        LightShape::Sphere { radius } => (1, radius, [Vec3::ZERO; 2]),
+        LightShape::Point => (0, 0.0, [axis, offset]),
+        LightShape::Sphere { radius } => (1, radius, [axis, offset]),
         LightShape::Rectangle { half_width, half_height } => (2, 1.0, [half_width, half_height]),
-        LightShape::Directional { radius } => (3, radius.tan(), [Vec3::ZERO; 2]),
+        LightShape::Directional { radius } => (3, radius.tan(), [axis, offset]),
     };
-    let [width, height] = sides.map(|side| texel(side, 0));
+    let range = match light.falloff {
+        Falloff::None => 0.0,
+        Falloff::Quadratic { range } => range.unwrap_or(f32::INFINITY),
+    };
+    let [width, height] = [(sides[0], scale), (sides[1], range)].map(|(side, word)| texel(side, word.to_bits()));
     [texel(place, kind), texel(light.intensity, f32::to_bits(size)), width, height]
+}
+
+/// Returns a cone's scale, its offset in x, and its unit axis. Scale and offset map the cosine of an angle from the
+/// axis to the root of the light's share there. Without a cone the share is 1 everywhere.
+fn cone_of(cone: Option<Cone>) -> (f32, Vec3, Vec3) {
+    let Some(Cone { direction, inner, outer }) = cone else { return (0.0, Vec3::X, Vec3::ZERO) };
+    // The extension's lower limit of the difference.
+    let scale = 1.0 / (inner.cos() - outer.cos()).max(1e-3);
+    (scale, Vec3::X * (-outer.cos() * scale), direction.as_dvec3().normalize_or_zero().as_vec3())
 }
 
 /// Returns the texels of a material (materials.wgsl).

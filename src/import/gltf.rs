@@ -68,7 +68,7 @@ pub(crate) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
         return Err(document.fault(format!("no triangles in its scene and {nodes}; a scene needs meshes of triangles")));
     }
     warnings.warn_of_dropped(&scene);
-    scene.lights = lights::read(&document, &lights, (scene.origin(), scene.bounds()), &mut warnings)?;
+    lights::read(&document, &lights, &mut scene, &mut warnings)?;
     let cameras = cameras::read(&document, &cameras, scene.bounds(), &mut warnings)?;
     Ok(SceneFile { scene, cameras })
 }

@@ -92,9 +92,10 @@ impl SkyKind {
     }
 }
 
-/// Returns the number of texels per light in the shading table. `soft` says whether some light is not a point light.
-pub(crate) fn light_texels(soft: bool) -> usize {
-    if soft { 4 } else { 2 }
+/// Returns the number of texels per light in the shading table. `soft` says whether some light is not a point light,
+/// and `fading` whether some light has a falloff or a cone.
+pub(crate) fn light_texels(soft: bool, fading: bool) -> usize {
+    if soft || fading { 4 } else { 2 }
 }
 
 /// Role of a kernel in soft light.
@@ -144,6 +145,8 @@ pub(crate) struct Variant {
     pub(crate) shadows: Shadows,
     /// Whether some lights are not point lights.
     pub(crate) soft_lights: bool,
+    /// Whether some lights have a falloff or a cone.
+    pub(crate) fading: bool,
     /// Whether lights cast shadows.
     pub(crate) casts: bool,
     /// Number of rays to each soft light (`shadow_rays`) and into the surroundings (`occlusion_rays`); 0 without such
@@ -206,6 +209,7 @@ impl Variant {
         lights: false,
         shadows: Shadows::None,
         soft_lights: false,
+        fading: false,
         casts: true,
         shadow_rays: 0,
         occlusion_rays: 0,
@@ -252,6 +256,7 @@ impl Variant {
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
             soft_lights: scene.soft_lights().next().is_some(),
+            fading: scene.has_fading_lights(),
             casts: scene.shadows,
             sky: SkyKind::of(&scene.sky),
             world_boxes,
@@ -306,6 +311,7 @@ impl Variant {
                 principled: self.principled,
                 shine: self.shine,
                 soft_lights: self.soft_lights,
+                fading: self.fading,
                 mirrors: self.mirrors,
                 samples: true,
                 bits: ShadowReuse::Rays,
@@ -338,6 +344,7 @@ impl Variant {
             lights: false,
             shadows: Shadows::None,
             soft_lights: false,
+            fading: false,
             casts: true,
             shadow_rays: 0,
             occlusion_rays: 0,

@@ -1,5 +1,7 @@
 //! Lights.
 
+use std::f32::consts::FRAC_PI_2;
+
 use glam::{DVec3, Vec3};
 
 use super::{Scene, checks::check_coordinate};
@@ -10,7 +12,7 @@ pub const MAX_SOFT_LIGHTS: usize = 16;
 /// Largest [`LightShape::Directional`] radius: nearly a hemisphere.
 const MOST_ANGLE: f32 = 1.5;
 
-/// A light without falloff: a fully visible light is equally bright at any distance (thesis, chapter 4).
+/// A light. Without [`Light::falloff`], it is equally bright at any distance (thesis, chapter 4).
 ///
 /// ```
 /// use stereotrace::{Light, glam::Vec3};
@@ -19,7 +21,8 @@ const MOST_ANGLE: f32 = 1.5;
 /// let sides = [Vec3::new(0.0, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.0)];
 /// let window = Light::rectangle(Vec3::new(-2.0, 1.5, 0.0), sides[0], sides[1], Vec3::splat(0.4));
 /// let sun = Light::directional(Vec3::new(1.0, 2.0, 0.5), 0.0047, Vec3::new(0.9, 0.85, 0.7));
-/// # let _ = (bulb, window, sun);
+/// let spot = Light::point(Vec3::Y, Vec3::splat(2.0)).with_quadratic_falloff().with_cone(-Vec3::Y, 0.3, 0.4);
+/// # let _ = (bulb, window, sun, spot);
 /// ```
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,10 +31,48 @@ pub struct Light {
     /// World position of the centre. For a directional light it is the direction towards the light, of any length but
     /// 0.
     pub position: DVec3,
-    /// Radiance that the whole light adds to a white surface facing it, linear RGB.
+    /// Radiance that the whole light adds to a white surface facing it, linear RGB. With quadratic falloff, it is that
+    /// radiance at a distance of 1 world unit: the radiant intensity divided by π.
     pub intensity: Vec3,
     /// Shape of the light.
     pub shape: LightShape,
+    /// Change of the light's brightness with distance.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub falloff: Falloff,
+    /// Cone outside which the light does not shine, for points and spheres.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub cone: Option<Cone>,
+}
+
+/// Change of a light's brightness with distance.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Falloff {
+    /// The light is equally bright at any distance.
+    #[default]
+    None,
+    /// Brightness falls with the square of the distance, as in nature. A sphere of radiance `L` and radius `r` then has
+    /// the intensity `L r²`. A rectangle emits as a diffuse surface, on the side that the cross product of its half
+    /// width and half height points to. With radiance `L` and area `A` its intensity is `L A / π`.
+    Quadratic {
+        /// Distance in world units, above 0, at which the light ends. The light is multiplied by `1 - (distance /
+        /// range)⁴`, as in `KHR_lights_punctual`.
+        range: Option<f32>,
+    },
+}
+
+/// Cone of a spot light. Brightness is full up to the inner angle and 0 from the outer angle on. In between it follows
+/// `KHR_lights_punctual`: the square of a linear function of the angle's cosine.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// World direction of the cone's axis away from the light, of any length but 0.
+    pub direction: Vec3,
+    /// Angle from the axis in radians, 0 or more and less than `outer`.
+    pub inner: f32,
+    /// Angle from the axis in radians, at most π/2.
+    pub outer: f32,
 }
 
 /// Shape of a light. Lights are invisible themselves. All shapes except points are sampled by
@@ -68,24 +109,43 @@ impl Light {
     /// Makes a point light from its world position and the radiance that it adds to a white surface facing it, linear
     /// RGB.
     pub fn point(position: impl Into<DVec3>, intensity: Vec3) -> Self {
-        Self { position: position.into(), intensity, shape: LightShape::Point }
+        Self::of(LightShape::Point, position.into(), intensity)
     }
 
     /// Makes a spherical light from its centre in world coordinates and its radius in world units, above 0.
     pub fn sphere(position: impl Into<DVec3>, radius: f32, intensity: Vec3) -> Self {
-        Self { position: position.into(), intensity, shape: LightShape::Sphere { radius } }
+        Self::of(LightShape::Sphere { radius }, position.into(), intensity)
     }
 
     /// Makes a rectangle or parallelogram from its centre in world coordinates and the vectors from there to the
     /// middles of two sides.
     pub fn rectangle(position: impl Into<DVec3>, half_width: Vec3, half_height: Vec3, intensity: Vec3) -> Self {
-        Self { position: position.into(), intensity, shape: LightShape::Rectangle { half_width, half_height } }
+        Self::of(LightShape::Rectangle { half_width, half_height }, position.into(), intensity)
     }
 
     /// Makes a light at infinity from the direction towards it, of any length but 0. The radius is an angle in radians,
     /// 0 for sharp shadows.
     pub fn directional(towards: impl Into<DVec3>, radius: f32, intensity: Vec3) -> Self {
-        Self { position: towards.into(), intensity, shape: LightShape::Directional { radius } }
+        Self::of(LightShape::Directional { radius }, towards.into(), intensity)
+    }
+
+    fn of(shape: LightShape, position: DVec3, intensity: Vec3) -> Self {
+        Self { position, intensity, shape, falloff: Falloff::None, cone: None }
+    }
+
+    /// Lets the brightness fall with the square of the distance. A directional light has no falloff.
+    #[must_use]
+    pub fn with_quadratic_falloff(mut self) -> Self {
+        self.falloff = Falloff::Quadratic { range: None };
+        self
+    }
+
+    /// Restricts a point or spherical light to a cone. `direction` is the world direction of its axis, of any length
+    /// but 0. The angles from the axis are in radians: `inner` is less than `outer`, and `outer` is at most π/2.
+    #[must_use]
+    pub fn with_cone(mut self, direction: Vec3, inner: f32, outer: f32) -> Self {
+        self.cone = Some(Cone { direction, inner, outer });
+        self
     }
 
     /// Returns whether the light is not a point.
@@ -98,12 +158,39 @@ impl Light {
         matches!(self.shape, LightShape::Point | LightShape::Directional { radius: 0.0 })
     }
 
-    /// Checks position and shape, in a scene with this origin.
+    /// Returns whether its brightness depends on distance or direction.
+    pub(crate) fn is_fading(&self) -> bool {
+        self.falloff != Falloff::None || self.cone.is_some()
+    }
+
+    /// Checks position, shape, falloff and cone, in a scene with this origin.
     pub(crate) fn check(&self, origin: DVec3) -> Result<(), String> {
         let above_zero = |what: &str, length: f32| match length.is_finite() && length > 0.0 {
             true => Ok(()),
             false => Err(format!("{what} is {length}; it must be finite and above 0")),
         };
+        let (is_far, is_round) = match self.shape {
+            LightShape::Point | LightShape::Sphere { .. } => (false, true),
+            LightShape::Rectangle { .. } => (false, false),
+            LightShape::Directional { .. } => (true, false),
+        };
+        match self.falloff {
+            Falloff::None => {}
+            Falloff::Quadratic { .. } if is_far => return Err("a directional light has no falloff".to_owned()),
+            Falloff::Quadratic { range } => range.map_or(Ok(()), |range| above_zero("range", range))?,
+        }
+        if let Some(Cone { direction, inner, outer }) = self.cone {
+            if !is_round {
+                return Err("only points and spheres have a cone".to_owned());
+            }
+            above_zero("the length of the cone's direction", direction.length())?;
+            if !(inner >= 0.0 && inner < outer && outer <= FRAC_PI_2) {
+                return Err(format!(
+                    "the cone's angles are {inner} and {outer}; inner must be at least 0 and less than outer, and \
+                     outer at most {FRAC_PI_2}"
+                ));
+            }
+        }
         match self.shape {
             LightShape::Directional { radius } => {
                 above_zero("the direction's length", self.position.length() as f32)?;
@@ -137,6 +224,21 @@ impl Scene {
             LightShape::Directional { .. } => light.position.normalize_or_zero().as_vec3(),
             _ => self.local(light.position),
         }
+    }
+
+    /// Multiplies the emission of all materials.
+    pub(crate) fn dim_emission(&mut self, factor: f32) {
+        for material in &mut self.materials {
+            material.emission *= factor;
+            if let Some(surface) = &mut material.principled {
+                surface.emission *= factor;
+            }
+        }
+    }
+
+    /// Returns whether the brightness of some light depends on distance or direction.
+    pub(crate) fn has_fading_lights(&self) -> bool {
+        self.lights.iter().any(Light::is_fading)
     }
 
     /// Returns the lights that are not points, with their indices.

@@ -4,8 +4,8 @@ use crate::common;
 
 use common::renderer;
 use stereotrace::{
-    Ellipsoid, Error, Light, Material, MaterialId, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera, Tone,
-    blocking::Wait, glam::Vec3, scene::builtin::Builtin, testing::cpu::intersect::closest_hit,
+    Ellipsoid, Error, Falloff, Light, Material, MaterialId, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera,
+    Tone, blocking::Wait, glam::Vec3, scene::builtin::Builtin, testing::cpu::intersect::closest_hit,
 };
 
 #[test]
@@ -34,6 +34,42 @@ fn negative_light_and_reflectance_are_refused_by_name() {
     scene.ambient = Some(Vec3::NEG_ONE * 0.0); // a negative zero is not negative
     scene.lights.push(Light::point(light.position, Vec3::ONE));
     assert!(renderer().upload(&scene).wait().is_ok());
+}
+
+#[test]
+fn falloffs_and_cones_out_of_range_are_refused_by_name() {
+    let point = Light::point(Vec3::Y, Vec3::ONE);
+    let sun = Light::directional(Vec3::Y, 0.0, Vec3::ONE);
+    let window = Light::rectangle(Vec3::Y, Vec3::X, Vec3::Z, Vec3::ONE);
+    let ranged = |range: f32| {
+        let mut light = point;
+        light.falloff = Falloff::Quadratic { range: Some(range) };
+        light
+    };
+    let down = Vec3::NEG_Y;
+    for (light, reason) in [
+        (ranged(0.0), "range is 0; it must be finite and above 0"),
+        (ranged(f32::NAN), "range is NaN; it must be finite and above 0"),
+        (sun.with_quadratic_falloff(), "a directional light has no falloff"),
+        (sun.with_cone(down, 0.1, 0.2), "only points and spheres have a cone"),
+        (window.with_cone(down, 0.1, 0.2), "only points and spheres have a cone"),
+        (
+            point.with_cone(Vec3::ZERO, 0.1, 0.2),
+            "the length of the cone's direction is 0; it must be finite and above 0",
+        ),
+        (point.with_cone(down, 0.2, 0.2), "the cone's angles are 0.2 and 0.2; inner must be"),
+        (point.with_cone(down, -0.1, 0.2), "the cone's angles are -0.1 and 0.2; inner must be"),
+        (point.with_cone(down, 0.1, 1.6), "the cone's angles are 0.1 and 1.6; inner must be"),
+        (point.with_cone(down, f32::NAN, 1.0), "the cone's angles are NaN and 1; inner must be"),
+    ] {
+        let mut scene = Scene::new();
+        scene.lights.push(light);
+        let Err(error @ Error::Scene { .. }) = renderer().upload(&scene).wait() else {
+            panic!("{light:?} is not refused")
+        };
+        let expected = format!("invalid scene: light 0: {reason}");
+        assert!(error.to_string().starts_with(&expected), "{error} is not {expected}");
+    }
 }
 
 /// Returns a grey ground, level at y = 0, under the camera.

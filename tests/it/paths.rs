@@ -184,7 +184,7 @@ fn lamps_light_a_floor_as_their_shapes_say() {
 }
 
 #[test]
-fn lights_without_falloff_are_those_of_direct_light() {
+fn lights_are_those_of_direct_light() {
     let mut renderer = renderer();
     let camera = close_up(Vec3::new(3.0, 2.0, 0.0), Vec3::ZERO);
     for light in [
@@ -192,6 +192,10 @@ fn lights_without_falloff_are_those_of_direct_light() {
         Light::directional(Vec3::new(1.0, 2.0, 0.5), 0.0, Vec3::splat(0.7)),
         Light::sphere(Vec3::new(1.0, 2.0, 0.5), 0.3, Vec3::splat(0.7)),
         Light::rectangle(Vec3::new(0.0, 2.0, 0.5), 0.3 * Vec3::X, 0.2 * Vec3::Z, Vec3::splat(0.7)),
+        Light::point(Vec3::new(1.0, 2.0, 0.5), Vec3::splat(3.0)).with_cone(Vec3::new(0.5, -1.0, 0.0), 0.1, 1.2),
+        Light::sphere(Vec3::new(1.0, 2.0, 0.5), 0.5, Vec3::splat(3.0)).with_quadratic_falloff(),
+        Light::rectangle(Vec3::new(0.0, 2.0, 0.5), 0.3 * Vec3::X, 0.2 * Vec3::Z, Vec3::splat(3.0))
+            .with_quadratic_falloff(),
     ] {
         let mut scene = floor(grey(0.5));
         scene.lights.push(light);

@@ -8,8 +8,12 @@ use common::{
     is_exact, renderer,
 };
 use stereotrace::{
-    AmbientOcclusion, Error, Light, Material, Mesh, Method, Options, Penumbra, Renderer, Scene, Sphere, StereoCamera,
-    StereoPair, View, blocking::Wait, glam::Vec3, scene::builtin::Builtin, testing::suite::Trial,
+    AmbientOcclusion, Error, Falloff, Light, Lighting, Material, Mesh, Method, Options, Penumbra, Renderer, Scene,
+    Sphere, StereoCamera, StereoPair, View,
+    blocking::Wait,
+    glam::{DVec3, Vec3},
+    scene::builtin::Builtin,
+    testing::suite::Trial,
 };
 
 /// Returns the integral of h / r over a rectangle from the origin to (a, b) at the height h.
@@ -37,6 +41,66 @@ fn a_rectangle_lights_a_floor_by_its_closed_form() {
     let (largest, rms) = errors(&light_on_floor(&scene, &naive().shadow_rays(32), 3.0, 32), form);
     println!("rectangle, 1024 rays: largest {largest:.5}, rms {rms:.5}");
     assert!(largest < 0.0035 && rms < 0.0008, "{largest} {rms}");
+}
+
+/// Lambert's formula for the irradiance of a polygon, divided by π and by the radiance.
+fn polygon_form(corners: &[DVec3], place: DVec3, normal: DVec3) -> f64 {
+    let rays: Vec<DVec3> = corners.iter().map(|corner| (*corner - place).normalize()).collect();
+    let edge = |k: usize| {
+        let (a, b) = (rays[k], rays[(k + 1) % rays.len()]);
+        a.dot(b).clamp(-1.0, 1.0).acos() * a.cross(b).normalize().dot(normal)
+    };
+    (0..rays.len()).map(edge).sum::<f64>() / (2.0 * std::f64::consts::PI)
+}
+
+#[test]
+fn lights_with_falloff_light_a_floor_as_emitting_bodies_of_their_shape_do() {
+    let rendered = |light: Light, form: &dyn Fn(f64, f64) -> f64| {
+        let mut scene = floor();
+        scene.lights.push(light);
+        let direct = errors(&light_on_floor(&scene, &naive().shadow_rays(32), 3.0, 16), form);
+        let by_paths = Lighting::Paths { bounces: 0, samples: 1 };
+        let paths = errors(&light_on_floor(&scene, &naive().shadow_rays(32).lighting(by_paths), 3.0, 16), form);
+        println!("{:?}: {direct:?}, by paths {paths:?}", light.shape);
+        [direct, paths].map(|(largest, rms)| (largest / form(0.0, 0.0), rms / form(0.0, 0.0)))
+    };
+    let close = |found: [(f64, f64); 2], most: f64| {
+        assert!(found.iter().all(|(largest, rms)| *largest < 4.0 * most && *rms < most), "{found:?} {most}");
+    };
+    let h = 2.0;
+    let squared = |x: f64, z: f64| x * x + z * z + h * h;
+    let cosine = |x: f64, z: f64| h / squared(x, z).sqrt();
+    let lamp = Light::point(Vec3::Y * h as f32, Vec3::splat(1.5)).with_quadratic_falloff();
+    close(rendered(lamp, &|x, z| 1.5 * cosine(x, z) / squared(x, z)), 4e-5);
+    let mut ranged = lamp;
+    ranged.falloff = Falloff::Quadratic { range: Some(3.0) };
+    let window = |x: f64, z: f64| (1.0 - (squared(x, z) / 9.0).powi(2)).max(0.0);
+    close(rendered(ranged, &|x, z| 1.5 * cosine(x, z) / squared(x, z) * window(x, z)), 4e-5);
+    // The cone's axis leans, its length is not 1, and its edge crosses the floor.
+    let (axis, inner, outer) = (DVec3::new(0.6, -2.0, 0.2), 0.3_f64, 0.6_f64);
+    let share = |x: f64, z: f64| {
+        let along = DVec3::new(x, -h, z).normalize().dot(axis.normalize());
+        ((along - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0).powi(2)
+    };
+    let spot = Light::point(Vec3::Y * h as f32, Vec3::splat(1.5)).with_cone(axis.as_vec3(), 0.3, 0.6);
+    close(rendered(spot, &|x, z| 1.5 * cosine(x, z) * share(x, z)), 4e-5);
+    // A ball of radiance 4, all of it above the floor: L r²/d² times the cosine.
+    let ball = Light::sphere(Vec3::Y * h as f32, 0.9, Vec3::splat(4.0 * 0.81)).with_quadratic_falloff();
+    close(rendered(ball, &|x, z| 4.0 * 0.81 * cosine(x, z) / squared(x, z)), 1e-3);
+    // A rectangle of radiance 4 that leans and shines on the floor. Its other side is dark.
+    let (middle, sides) = (DVec3::new(0.5, h, 0.0), [DVec3::new(0.6, 0.3, 0.0), DVec3::Z * 0.8]);
+    let corners =
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| middle + a * sides[0] + b * sides[1]);
+    let area = 4.0 * sides[0].cross(sides[1]).length();
+    let intensity = Vec3::splat((4.0 * area / std::f64::consts::PI) as f32);
+    let [width, height] = sides.map(|side| side.as_vec3());
+    let panel = Light::rectangle(middle, width, height, intensity).with_quadratic_falloff();
+    let form = |x: f64, z: f64| 4.0 * polygon_form(&corners, DVec3::new(x, 0.0, z), DVec3::Y).abs();
+    close(rendered(panel, &form), 3e-3);
+    let turned = Light::rectangle(middle, height, width, intensity).with_quadratic_falloff();
+    let mut scene = floor();
+    scene.lights.push(turned);
+    assert!(light_on_floor(&scene, &naive(), 3.0, 1).iter().all(|[_, _, light]| *light == 0.0));
 }
 
 /// Returns a floor with a plate of no thickness, from x = 0 on, at half the light's height.

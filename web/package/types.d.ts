@@ -174,9 +174,13 @@ export interface Material {
 /** A point light, or with a radius a spherical light, whose shadows have a penumbra. Lengths are in world units. */
 export interface Light {
     position: Vector;
-    /** Radiance that the light adds to a white surface that faces it. */
+    /** Radiance that the light adds to a white surface that faces it; with falloff, at a distance of 1. */
     intensity: Vector;
     radius?: number;
+    /** Whether brightness falls with the square of the distance. Default "none". */
+    falloff?: "none" | "quadratic";
+    /** Cone of a spot light: its axis, and angles in radians of full and of no brightness, 0 <= inner < outer <= pi/2. */
+    cone?: { direction: Vector; inner: number; outer: number };
 }
 
 /** Triangles. Lists have one entry for each vertex, as in glTF and three.js. */

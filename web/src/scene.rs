@@ -361,11 +361,35 @@ struct GivenLight {
     position: [f64; 3],
     intensity: [f32; 3],
     radius: Option<f32>,
+    falloff: Option<GivenFalloff>,
+    cone: Option<GivenCone>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum GivenFalloff {
+    None,
+    Quadratic,
+}
+
+#[derive(Deserialize)]
+struct GivenCone {
+    direction: [f32; 3],
+    inner: f32,
+    outer: f32,
 }
 
 fn light_of(given: &GivenLight) -> Light {
     let (position, intensity) = (DVec3::from_array(given.position), Vec3::from_array(given.intensity));
-    given.radius.map_or(Light::point(position, intensity), |radius| Light::sphere(position, radius, intensity))
+    let mut light =
+        given.radius.map_or(Light::point(position, intensity), |radius| Light::sphere(position, radius, intensity));
+    if let Some(GivenFalloff::Quadratic) = given.falloff {
+        light = light.with_quadratic_falloff();
+    }
+    if let Some(GivenCone { direction, inner, outer }) = given.cone {
+        light = light.with_cone(Vec3::from_array(direction), inner, outer);
+    }
+    light
 }
 
 /// Reads `Mesh` of `types.d.ts`, whose lists are typed arrays.

@@ -184,6 +184,7 @@ pub(super) fn variants() -> Vec<Variant> {
             // `soft` is 0 for no soft light, 1 for extended lights, 2 for occlusion, and 3 for both. It is 4 for sky
             // light, and 5 for sky light with extended lights. In some variants lights cast no shadows.
             soft_lights: soft % 2 == 1,
+            fading: light > 0 && (light + soft) % 2 == 1,
             casts: soft == 0 || light % 2 == 1,
             shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
             occlusion_rays: if soft > 1 { 32 } else { 0 },

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use stereotrace::{
-    LightShape, SceneFile,
+    Falloff, LightShape, SceneFile,
     glam::{DMat4, DQuat, DVec3, EulerRot, Vec3},
 };
 
@@ -168,46 +168,67 @@ fn lit(lights: Value) -> Builder {
 }
 
 #[test]
-fn lights_give_what_they_give_at_the_middle_of_the_scene() {
+fn lights_have_the_intensities_falloffs_and_cones_of_the_file() {
     let pi = std::f32::consts::PI;
     let scene = scene(
         lit(json!([
             { "type": "directional", "intensity": 0.5 * pi, "color": [1, 0.5, 0] },
-            { "type": "point", "intensity": pi },
+            { "type": "point", "intensity": 0.4 * pi, "range": 7 },
             { "type": "point", "color": [0, 0.2, 0.4] },
-            { "type": "spot", "intensity": 0.4 * pi, "spot": {} }
+            { "type": "spot", "intensity": 0.4 * pi },
+            { "type": "spot", "intensity": 0.4 * pi, "spot": { "innerConeAngle": 0.2, "outerConeAngle": 0.5 } }
         ]))
         .text(),
     );
-    let [sun, lamp, dim, spot] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
-    assert_eq!(sun.shape, LightShape::Directional { radius: 0.0 });
+    let [sun, lamp, dim, wide, spot] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    assert_eq!((sun.shape, sun.falloff), (LightShape::Directional { radius: 0.0 }, Falloff::None));
     assert_near(sun.position.as_vec3(), Vec3::X);
     assert_near(sun.intensity, Vec3::new(0.5, 0.25, 0.0));
-    // At a distance of two units, the intensity is a quarter.
     assert_eq!((lamp.shape, lamp.position), (LightShape::Point, DVec3::new(0.5, 0.5, 2.0)));
-    assert_near(lamp.intensity, Vec3::splat(0.25));
-    assert_near(dim.intensity, Vec3::new(0.0, 0.05, 0.1) / pi);
-    assert_near(spot.intensity, Vec3::splat(0.1));
+    assert_eq!((lamp.falloff, lamp.cone), (Falloff::Quadratic { range: Some(7.0) }, None));
+    assert_near(lamp.intensity, Vec3::splat(0.4));
+    assert_near(dim.intensity, Vec3::new(0.0, 0.2, 0.4) / pi);
+    assert_eq!((wide.falloff, spot.falloff), (Falloff::Quadratic { range: None }, Falloff::Quadratic { range: None }));
+    let [wide, spot] = [wide, spot].map(|light| light.cone.unwrap());
+    assert_eq!([wide.inner, wide.outer, spot.inner, spot.outer], [0.0, 0.25 * pi, 0.2, 0.5]);
+    // Spot lights shine along the node's negative z axis.
+    assert_near(spot.direction, Vec3::NEG_X);
     assert_eq!(scene.ambient, None);
 }
 
 #[test]
-fn lights_are_scaled_down_together_and_what_they_can_not_is_named_once() {
+fn bright_lights_are_scaled_down_together_and_with_the_emission() {
     let folder = Folder::new("gltf_lights");
     warnings::collect();
     let lights = json!([
         { "type": "directional", "intensity": 100_000 }, { "type": "directional", "intensity": 300_000 },
         { "type": "spot", "range": 5, "intensity": 0, "spot": {} }
     ]);
-    let scene = stereotrace::Scene::from_gltf(folder.write("sun.gltf", lit(lights).text())).unwrap();
+    let mut builder = lit(lights);
+    builder.json["materials"] = json!([{ "emissiveFactor": [1, 0.5, 0] }]);
+    builder.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let read =
+        |name: &str, builder: &Builder| stereotrace::Scene::from_gltf(folder.write(name, builder.text())).unwrap();
+    let scene = read("sun.gltf", &builder);
     assert_near(scene.lights[0].intensity, Vec3::splat(0.25));
     assert_near(scene.lights[1].intensity, Vec3::splat(0.75));
+    let scale = 400_000.0 / std::f32::consts::PI;
+    let emissions = |scene: &stereotrace::Scene| {
+        let glowing = scene.materials().iter().find(|material| material.principled.is_some()).unwrap();
+        [glowing.emission, glowing.principled.unwrap().emission]
+    };
+    emissions(&scene).into_iter().for_each(|emission| assert_near(emission * scale, Vec3::new(1.0, 0.5, 0.0)));
     let warnings = warnings::of(&folder);
-    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
     assert!(warnings[0].starts_with("sun.gltf: its lights are 127323.9"), "{warnings:?}");
-    let left_out = "sun.gltf: ignored: cones of spot lights, which shine in all directions in lights[2]; falloffs of \
-                    lights in lights[2]; ranges of lights in lights[2]";
-    assert_eq!(warnings[1], left_out);
+
+    // Blender writes lights in lumens, and emission as it is.
+    builder.json["asset"]["generator"] = json!("Khronos glTF Blender I/O v4.3.47");
+    let scene = read("blend.gltf", &builder);
+    assert_near(scene.lights[1].intensity, Vec3::splat(0.75));
+    emissions(&scene)
+        .into_iter()
+        .for_each(|emission| assert_near(emission * (scale / 683.0), Vec3::new(1.0, 0.5, 0.0)));
 }
 
 /// Tests a chain of nodes in UTM coordinates. f32 would round the sum of their translations to a quarter of a unit.
