@@ -1,11 +1,12 @@
-// Raises the variances of pixels to the mean of those around them on the same surface. A pixel's own variance is
-// uncertain after few paths, and low where its paths found little light. It is high where one path found much.
+// Bounds single bright pixels, and raises the variances of pixels to the mean of those around them on the same surface.
+// A pixel's own variance is uncertain after few paths, and low where its paths found little light. It is high where one
+// path found much.
 //
 // launch  one thread per pixel of the strip
 // reads   noisy_light, guides  [height * width]
 // writes  smooth_light         [height * width]
 
-//! use noisy, octahedral, pixels
+//! use display, noisy, octahedral, pixels
 
 const REACH: i32 = 3;
 
@@ -31,8 +32,34 @@ fn smooth_variances(@builtin(global_invocation_id) id: vec3u) {
     }
     // A pixel's weight for itself is 1, or 0 for light that it does not reflect.
     let kinds = reflected_kinds(light);
+    let scale = bound_by_chance(id.xy, light);
+    light.diffuse *= scale.x;
+    light.glossy *= scale.y;
     let means = sum / max(weights, vec2f(1.0));
     if kinds.x > 0.0 { light.diffuse_variance = max(light.diffuse_variance, means.x); }
     if kinds.y > 0.0 { light.glossy_variance = max(light.glossy_variance, means.y); }
     smooth_light[index] = light;
+}
+
+// Deviations from the brightest pixel beside it by which chance may explain that a pixel is brighter.
+const BOUND_DEVIATIONS: f32 = 2.0;
+
+// Returns the factors of a pixel's light, diffuse and glossy, that make it as bright as the brightest of the pixels
+// beside it. They are 1 where it is darker than that, or brighter than chance explains.
+fn bound_by_chance(pixel: vec2u, light: Noisy) -> vec2f {
+    var limit = vec2f(-1.0);
+    for (var y = -1; y <= 1; y += 1) {
+        for (var x = -1; x <= 1; x += 1) {
+            let other = index_beside(pixel, vec2i(x, y));
+            if other == NOWHERE || (x == 0 && y == 0) { continue; }
+            if guides[other].normal == NO_NORMAL { continue; }
+            let there = noisy_light[other];
+            let brightness = vec2f(luminance(there.diffuse), luminance(there.glossy));
+            limit = max(limit, select(vec2f(-1.0), brightness, reflected_kinds(there) > vec2f(0.0)));
+        }
+    }
+    let own = vec2f(luminance(light.diffuse), luminance(light.glossy));
+    let chance = BOUND_DEVIATIONS * sqrt(max(vec2f(light.diffuse_variance, light.glossy_variance), vec2f(0.0)));
+    let is_over = (limit >= vec2f(0.0)) & (own > limit) & (own - limit <= chance);
+    return select(vec2f(1.0), limit / max(own, vec2f(1e-30)), is_over);
 }
