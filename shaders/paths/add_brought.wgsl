@@ -18,7 +18,7 @@ fn add_brought(@builtin(global_invocation_id) id: vec3u) {
     if !all_rays(wanted) { return; }
     let index = pixel_index(pixel_of_ray(pixels, 0u));
     let sum = brought[index];
-    if sum.paths == 0u && sum.is_known == 0u {
+    if sum.paths == 0u && !has_mark(sum, DIFFUSE_KNOWN) {
         keep_no_parts(index, linear_color[index].xyz);
         return;
     }

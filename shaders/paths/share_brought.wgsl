@@ -1,5 +1,5 @@
-// Reuses the light of diffuse reflection of a source view, where the two source samples beside a pixel's point
-// show its surface and chance explains their difference. Lists the pixels that need paths of their own.
+// Reuses the light that paths brought to a source view, where the two source samples beside a pixel's point show its
+// surface and chance explains their difference. Lists the pixels that need paths of their own.
 //
 // launch  one thread per pixel of the current rows
 // reads   view            [height * width]
@@ -8,7 +8,7 @@
 // writes  brought         [height * width]
 // appends lists           TO_TRACE
 
-//! use bits, camera, display, fetch, frame, lane, lists, materials, paths, pixels, primitive, source_samples, wanted
+//! use bits, camera, display, fetch, frame, lane, lists, paths, pixels, primitive, source_samples, wanted
 
 var<storage, read> view: array<Pixel>;
 var<storage, read> source: array<Pixel>;
@@ -20,6 +20,9 @@ var<storage, read_write> lists: Lists;
 const LIKE_NORMAL: f32 = 0.95;
 // Share of their mean by which two samples may always differ.
 const NEARLY_EQUAL: f32 = 0.02;
+// Least alpha of highlights that are reused: in any case, and per radian between the two views of a point.
+const LEAST_WIDTH: f32 = 0.05;
+const WIDTH_PER_TURN: f32 = 2.5;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn share_brought(@builtin(global_invocation_id) id: vec3u) {
@@ -29,15 +32,15 @@ fn share_brought(@builtin(global_invocation_id) id: vec3u) {
     let index = pixel_index(pixel);
     let seen = view[index];
     if seen.slot == MISS { return; }
-    let material = primitive_texel(seen.slot, 2u).w & MATERIAL;
-    let is_shared = !is_bumpy(material) && take_light(pixel, index, seen, material);
-    if !is_shared || is_glossy(material) { append(TO_TRACE, reserve(TO_TRACE, 1u), index); }
+    if !take_light(pixel, index, seen) { append(TO_TRACE, reserve(TO_TRACE, 1u), index); }
 }
 
-fn take_light(pixel: vec2u, index: u32, seen: Pixel, material: u32) -> bool {
+// Takes the light that is known, and returns whether all of it is.
+fn take_light(pixel: vec2u, index: u32, seen: Pixel) -> bool {
     let at = place_between(nearest_source(), pixel, seen.depth);
     if !at.usable { return false; }
     let component = primitive_texel(seen.slot, 1u).w;
+    let material = primitive_texel(seen.slot, 2u).w & MATERIAL;
     let first = pixel_index(at.first);
     if !vouches(at, source_sample(at.first), component) { return false; }
     if !vouches(at, source_sample(at.first + vec2u(1u, 0u)), component) { return false; }
@@ -45,16 +48,26 @@ fn take_light(pixel: vec2u, index: u32, seen: Pixel, material: u32) -> bool {
     if !is_alike(seen.slot, material, source[first + 1u].slot) { return false; }
     let before = source_brought[first];
     let after = source_brought[first + 1u];
-    if before.paths < 2u || after.paths < 2u { return false; }
-    let means = array(mean_diffuse(before), mean_diffuse(after));
-    let a = luminance(means[0]);
-    let b = luminance(means[1]);
-    let variances = vec2f(mean_variances(before).x, mean_variances(after).x);
-    let chance = frame.paths.tolerance * sqrt(variances.x + variances.y);
-    if abs(a - b) > max(chance, NEARLY_EQUAL * 0.5 * (a + b)) { return false; }
-    brought[index].diffuse = mix(means[0], means[1], at.way);
-    brought[index].newest.x = mix(variances.x, variances.y, at.way);
-    brought[index].is_known = 1u;
+    if before.paths == 0u || after.paths == 0u { return false; }
+    let variances = array(mean_variances(before), mean_variances(after));
+    let diffuse = array(mean_diffuse(before), mean_diffuse(after));
+    let glossy = array(mean_glossy(before), mean_glossy(after));
+    let a = vec2f(luminance(diffuse[0]), luminance(glossy[0]));
+    let b = vec2f(luminance(diffuse[1]), luminance(glossy[1]));
+    let chance = frame.paths.tolerance * sqrt(variances[0] + variances[1]);
+    // The variance of a single path is unknown, so chance explains any difference.
+    let is_single = before.paths == 1u || after.paths == 1u;
+    let are_equal = (abs(a - b) <= max(chance, NEARLY_EQUAL * 0.5 * (a + b))) | vec2<bool>(is_single);
+    if !are_equal.x { return false; }
+    brought[index].diffuse = mix(diffuse[0], diffuse[1], at.way);
+    let variance = mix(variances[0], variances[1], at.way);
+    brought[index].newest.x = variance.x;
+    brought[index].marks = DIFFUSE_KNOWN;
+    let width = f32(min(before.marks >> 16u, after.marks >> 16u)) / 65535.0;
+    if !are_equal.y || width < max(LEAST_WIDTH, WIDTH_PER_TURN * view_turn(seen.depth)) { return false; }
+    brought[index].glossy = mix(glossy[0], glossy[1], at.way);
+    brought[index].newest.y = variance.y;
+    brought[index].marks = DIFFUSE_KNOWN | GLOSSY_KNOWN;
     return true;
 }
 

@@ -76,6 +76,9 @@ fn parallax(z: f32) -> f32 {
     return frame.eyes.parallax_px * (frame.eyes.at_infinity - frame.eyes.parallax_distance / z);
 }
 
+// Returns the angle between the views of a point from source and target in radians, or a little more.
+fn view_turn(depth: f32) -> f32 { return abs(frame.eyes.shift) / depth; }
+
 // Returns X, the landing position of a sample: the sample's centre plus its parallax, in pixels.
 fn landing_x(column: u32, z: f32) -> f32 {
     return f32(column) + 0.5 + parallax(z);

@@ -1,6 +1,7 @@
 // The first vertices of paths: hits that earlier steps found.
 
-//! use camera, counters, display, emitters, frame, lane, paths, pixels, planes, scattering, sobol, textures, view
+//! use camera, counters, display, emitters, facets, frame, lane, paths, pixels, planes, scattering, sobol, textures
+//! use view
 
 //! if light is paths
 // Begins a path in a pixel, if it shows a surface.
@@ -19,8 +20,9 @@ fn begin_path(pixels: Pixels) {
     begin_points(pixel, frame.paths.first + before.paths);
     let vertex = vertex_at(rays, hits);
     let sent = sent_from_emitters(vertex, 0u, true);
-    let is_known = before.is_known == 1u;
+    let is_known = has_mark(before, DIFFUSE_KNOWN);
     brought[index].paths = before.paths + 1u;
+    brought[index].marks = (before.marks & 0xffffu) | (u32(lobe_width(vertex.lobes) * 65535.0) << 16u);
     if !is_known {
         brought[index].diffuse = before.diffuse + sent.diffuse;
         brought[index].squares.x = before.squares.x + before.newest.x * before.newest.x;
@@ -42,4 +44,10 @@ fn begin_path(pixels: Pixels) {
     count_pixel(pixel);
     count_view(pixel.y, light_rays, nodes_visited, primitives_tested);
     atomicAdd(&counters[pixel.y * COUNTERS + OWN_SHADOW_RAYS], light_rays);
+}
+
+// Returns the alpha of a surface's highlight. It is 0 for mirrors, glass and veils, and 1 for matte surfaces.
+fn lobe_width(lobes: Lobes) -> f32 {
+    if lobes.opacity < 1.0 || lobes.is_glass { return 0.0; }
+    return select(1.0, clamp(lobes.alpha, 0.0, 1.0), lobes.glossy > 0.0);
 }

@@ -106,28 +106,3 @@ fn principled_at(material: u32) -> Principled {
     found.transmission = bitcast<f32>(specular.w);
     return found;
 }
-
-//! if light is paths and principled is none
-fn is_bumpy(material: u32) -> bool { return false; }
-
-//! if light is paths and principled is some
-// Returns whether a texture changes the surface's normals.
-fn is_bumpy(material: u32) -> bool {
-    let principled = principled_at(material);
-    return principled.is_there && principled.normal_texture != 0u;
-}
-
-//! if light is paths and principled is none
-fn is_principled(material: u32) -> bool { return false; }
-
-//! if light is paths and principled is some
-fn is_principled(material: u32) -> bool { return principled_at(material).is_there; }
-
-//! if light is paths
-// Returns whether the surface sends light to the viewer that depends on the direction.
-fn is_glossy(material: u32) -> bool {
-    if MATERIAL_TEXELS == 1u { return false; }
-    let found = material_at(material);
-    let is_plain = found.kind == 0u && found.opacity >= 1.0 && all(found.specular <= vec3f(0.0));
-    return !is_plain || is_principled(material);
-}

@@ -27,17 +27,25 @@ struct Brought {
     diffuse: vec3f,      // irradiance over pi, for diffuse reflection
     paths: u32,          // number of paths
     glossy: vec3f,       // radiance that the surface reflects or transmits to the viewer
-    is_known: u32,       // 1 if `diffuse` is a mean that is reused from another view
+    marks: u32,          // DIFFUSE_KNOWN, GLOSSY_KNOWN, and the width of the surface's lobes from bit 16 on
     squares: vec2f,      // sums of the squared brightness that each path but the newest brought, diffuse and glossy
-    newest: vec2f,       // brightness that the newest path brought; if `diffuse` is known, its variance instead
+    newest: vec2f,       // brightness that the newest path brought; for a known mean its variance instead
 }
+
+// Marks of means that are reused from another view.
+const DIFFUSE_KNOWN: u32 = 1u;
+const GLOSSY_KNOWN: u32 = 2u;
+
+fn has_mark(sum: Brought, mark: u32) -> bool { return (sum.marks & mark) != 0u; }
 
 // Returns the means of a pixel's paths.
 fn mean_diffuse(sum: Brought) -> vec3f {
-    return sum.diffuse * select(1.0 / f32(max(sum.paths, 1u)), 1.0, sum.is_known == 1u);
+    return sum.diffuse * select(1.0 / f32(max(sum.paths, 1u)), 1.0, has_mark(sum, DIFFUSE_KNOWN));
 }
 
-fn mean_glossy(sum: Brought) -> vec3f { return sum.glossy * (1.0 / f32(max(sum.paths, 1u))); }
+fn mean_glossy(sum: Brought) -> vec3f {
+    return sum.glossy * select(1.0 / f32(max(sum.paths, 1u)), 1.0, has_mark(sum, GLOSSY_KNOWN));
+}
 
 // Returns the variances of these means, by brightness: diffuse and glossy. A single path tells nothing of them.
 fn mean_variances(sum: Brought) -> vec2f {
@@ -48,7 +56,8 @@ fn mean_variances(sum: Brought) -> vec2f {
         let squares = sum.squares + sum.newest * sum.newest;
         variances = max(squares / count - means * means, vec2f(0.0)) / (count - 1.0);
     }
-    return select(variances, vec2f(sum.newest.x, variances.y), sum.is_known == 1u);
+    let known = vec2<bool>(has_mark(sum, DIFFUSE_KNOWN), has_mark(sum, GLOSSY_KNOWN));
+    return select(variances, sum.newest, known);
 }
 
 // Adds a path to the list of those whose ray of this number is not traced yet. Rays are counted from 1. The order of a

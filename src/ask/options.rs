@@ -81,7 +81,7 @@ pub enum Lighting {
     /// Paths of light (Kajiya 1986, "The Rendering Equation"). The sky and emitting surfaces light the scene too, and
     /// [`Scene::ambient`](crate::Scene::ambient) is not added. Highlights are those of facets
     /// ([`Material::exponent`](crate::Material::exponent)). Views made by `bracket` reuse the light of diffuse
-    /// reflection of their source, as [`Options::penumbra`] says.
+    /// reflection and of wide highlights of their source, as [`Options::penumbra`] says.
     Paths {
         /// Maximum number of surfaces that scatter a path's light after the first, 0 to [`MAX_PATH_BOUNCES`].
         bounces: u32,

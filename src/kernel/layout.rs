@@ -156,7 +156,7 @@ pub(crate) struct Brought {
     pub(crate) diffuse: [f32; 3],
     pub(crate) paths: u32,
     pub(crate) glossy: [f32; 3],
-    pub(crate) is_known: u32,
+    pub(crate) marks: u32,
     pub(crate) squares: [f32; 2],
     pub(crate) newest: [f32; 2],
 }

@@ -97,7 +97,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     });
     assert_eq!(header.map(u64::from), Some(layout::PATHS_HEADS));
     assert_layout!(paths, Path { origin, travelled, direction, density, weight, is_diffuse, entries, _pad });
-    assert_layout!(paths, Brought { diffuse, paths, glossy, is_known, squares, newest });
+    assert_layout!(paths, Brought { diffuse, paths, glossy, marks, squares, newest });
     let parts = parse(&ADD_BROUGHT, &Variant { paths: true, linear: true, parts: true, ..with });
     assert_layout!(
         &parts,
