@@ -20,6 +20,8 @@ pub(crate) const REACH: f32 = 0.3;
 /// Number of samples per pixel, and of shadow rays per sample. Both numbers are small, since they multiply.
 pub(crate) const SAMPLES: u32 = 4;
 pub(crate) const RAYS: u32 = 4;
+/// Light by paths: their number per sample, and their bounces.
+pub(crate) const PATHS: &str = "paths=4:3";
 
 /// Returns the camera moved around the object to a corner, or unchanged if the moved camera is out of range.
 pub(crate) fn from_a_corner(camera: StereoCamera) -> StereoCamera {

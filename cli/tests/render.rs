@@ -55,6 +55,56 @@ fn out_is_a_picture_or_a_folder() {
     assert!(!folder.file("a.png").exists());
 }
 
+#[test]
+fn files_of_physically_based_materials_are_shown_by_paths() {
+    let folder = Folder::new("physical");
+    folder.write("gold.mtl", "newmtl gold\nKd 0.9 0.7 0.3\nPr 0.3\nPm 1\n");
+    let scene = folder.write("gold.obj", &format!("mtllib gold.mtl\nusemtl gold\n{TRIANGLE}"));
+    let [scene, out] = [scene, folder.file("gold.png")].map(|path| path.to_str().unwrap().to_owned());
+    let report = |more: &[&str]| -> Value {
+        let command = [&SMALL[..], &[&scene, "--out", &out, "--json"], more].concat();
+        serde_json::from_str(&printed(&command)).unwrap()
+    };
+    let light = |more: &[&str]| {
+        let light = report(more)["light"].clone();
+        (light["lighting"].as_str().unwrap().to_owned(), light["denoise"].as_bool().unwrap())
+    };
+    assert_eq!(light(&[]), ("paths=4:3".into(), true));
+    assert_eq!(light(&["--denoise=false"]), ("paths=4:3".into(), false));
+    for direct in [
+        &["--plain"][..],
+        &["--lighting", "direct"],
+        &["--adaptive", "8:2"],
+        &["--ambient-occlusion", "4"],
+        &["--sky-rays", "4"],
+        &["--compare"],
+    ] {
+        assert_eq!(light(direct), ("direct".into(), false), "{direct:?}");
+    }
+    let text = printed(&[&SMALL[..], &[&scene, "--out", &out]].concat());
+    assert!(text.contains("4 paths per pixel, 3 bounces, denoised"), "{text}");
+    assert!(text.contains("--lighting direct is faster"), "{text}");
+}
+
+#[test]
+fn the_exposure_suits_the_scene_or_is_as_given() {
+    let folder = Folder::new("exposure");
+    let [scene, out] = one_triangle(&folder);
+    let stops = |more: &[&str]| {
+        let command = [&SMALL[..], &[&scene, "--out", &out, "--json", "--sky", "0.01"], more].concat();
+        let report: Value = serde_json::from_str(&printed(&command)).unwrap();
+        report["light"]["exposure"].as_f64().unwrap()
+    };
+    let dark = ["--light", "0,0,5:0.01,0.01,0.01", "--ambient", "0.001"];
+    // log2(0.12 / 0.01) is 3.6. Most of the picture is sky.
+    assert!((2.5..=4.5).contains(&stops(&dark)), "{}", stops(&dark));
+    assert_eq!(stops(&[&dark[..], &["--exposure", "-0.5"]].concat()), -0.5);
+    assert_eq!(stops(&[&dark[..], &["--plain"]].concat()), 0.0);
+    assert!(stops(&[&dark[..], &["--plain", "--exposure", "auto"]].concat()) > 2.0);
+    let message = error_of(&[&SMALL[..], &[&scene, "--exposure", "bright"]].concat());
+    assert!(message.contains("it must be auto, or -64 to 64 stops"), "{message}");
+}
+
 /// Tests a red tetrahedron inside a glass one, in the automatic look of files without lights.
 #[test]
 fn what_stands_in_glass_is_seen() {

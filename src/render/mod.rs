@@ -5,6 +5,7 @@ mod builder;
 pub(crate) mod cast;
 pub(crate) mod denoise;
 mod encode;
+mod exposure;
 pub(crate) mod frame;
 pub(crate) mod pair;
 mod renderer;

@@ -244,6 +244,31 @@ impl StereoCamera {
         Ok(camera)
     }
 
+    /// Returns the camera with a picture of another width in pixels, and the same field of view and shape as nearly as
+    /// whole pixels allow. The interaxial keeps its length in world units.
+    ///
+    /// ```
+    /// use stereotrace::Builtin;
+    ///
+    /// let camera = Builtin::Hall.camera(1280, 720);
+    /// let pose = camera.resized(320)?.pose()?;
+    /// assert_eq!(pose.size, [320, 180]);
+    /// assert_eq!(pose.interaxial, camera.pose()?.interaxial);
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns the errors of [`StereoCamera::pose`].
+    pub fn resized(self, width: u32) -> Result<Self, Error> {
+        let pose = self.pose()?;
+        let [from_width, from_height] = pose.size.map(f64::from);
+        let height = (f64::from(width) * from_height / from_width).round().clamp(1.0, 16.0 * f64::from(width)) as u32;
+        // Scaled intrinsics keep the field of view, also for cameras given by intrinsics.
+        let scales = [f64::from(width) / from_width, f64::from(height) / from_height];
+        let camera = self.convergence(Convergence::OffAxis).interaxial(pose.interaxial).size(width, height);
+        Ok(camera.intrinsics(pose.intrinsics().scaled(scales)))
+    }
+
     /// Sets how the eyes are oriented.
     pub fn convergence(mut self, convergence: Convergence) -> Self {
         self.convergence = convergence;

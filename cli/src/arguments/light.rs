@@ -2,10 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{
+    Args,
+    builder::{PathBufValueParser, TypedValueParser},
+};
 use stereotrace::{Gpu, Light, LightShape, Limits, Scene, Sky, SkyMap, StereoCamera, glam::Vec3};
 
-use super::values::{above_zero, ambient, light};
+use super::values::{SkyArgument, above_zero, ambient, light, sky};
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Light")]
@@ -31,10 +34,11 @@ pub(crate) struct LightArguments {
     /// 0.36,0.38,0.41 with the automatic light of a file, 0.15 with other lights, and 1 without lights]
     #[arg(long, value_name = "V|R,G,B", value_parser = ambient, allow_hyphen_values = true)]
     ambient: Option<Vec3>,
-    /// Sky: an equirectangular PNG, JPEG, HDR or EXR file (HDRI, environment map), or `procedural` [default: the
-    /// scene's sky; for a file, a grey backdrop, or black with --plain or --cameras]
-    #[arg(long, value_name = "FILE")]
-    sky: Option<PathBuf>,
+    /// Sky: an equirectangular PNG, JPEG, HDR or EXR file (HDRI, environment map), `procedural`, or linear light: one
+    /// number, or red, green and blue [default: the scene's sky; for a file, a grey backdrop, or black with --plain or
+    /// --cameras]
+    #[arg(long, value_name = "FILE|V|R,G,B", value_parser = PathBufValueParser::new().try_map(sky))]
+    sky: Option<SkyArgument>,
 }
 
 impl LightArguments {
@@ -73,15 +77,16 @@ impl LightArguments {
 
     /// Returns the file that the sky is read from.
     pub(super) fn file(&self) -> Option<PathBuf> {
-        self.sky.clone().filter(|name| name.as_os_str() != "procedural")
+        if let Some(SkyArgument::File(file)) = &self.sky { Some(file.clone()) } else { None }
     }
 
     /// Reads or makes the sky of --sky, within the adapter's limits.
     pub(crate) fn sky(&self, limits: Limits, gpu: &Gpu) -> Result<Option<Sky>, stereotrace::Error> {
         Ok(match &self.sky {
             None => None,
-            Some(name) if name.as_os_str() == "procedural" => Some(Sky::Map(SkyMap::procedural(1024)?)),
-            Some(file) => Some(Sky::Map(SkyMap::open_within(file, &limits.gpu(gpu))?)),
+            Some(SkyArgument::Color(light)) => Some(Sky::Constant(*light)),
+            Some(SkyArgument::Procedural) => Some(Sky::Map(SkyMap::procedural(1024)?)),
+            Some(SkyArgument::File(file)) => Some(Sky::Map(SkyMap::open_within(file, &limits.gpu(gpu))?)),
         })
     }
 }

@@ -14,7 +14,7 @@ pub(crate) use self::{
     picture::PictureArguments,
     reading::ReadingArguments,
     short_help::{command, whole_command},
-    subject::{Stage, Subject, depths},
+    subject::{Purpose, Stage, Subject, depths},
     values::{above_zero, frames, size},
 };
 

@@ -3,7 +3,7 @@
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use stereotrace::{AmbientOcclusion, Error, Finish, Lighting, Options, Scene, Setting};
 
-use super::values::{OcclusionArgument, occlusion, size};
+use super::values::{ExposureArgument, OcclusionArgument, exposure, occlusion, size};
 use crate::studio;
 
 /// Default size of an eye's picture: width and height in pixels.
@@ -24,10 +24,13 @@ pub(crate) struct PictureArguments {
 struct OptionArguments {
     given: Vec<(&'static str, String)>,
     occlusion: Option<OcclusionArgument>,
+    exposure: Option<ExposureArgument>,
 }
 
 /// Name of the option that the command gives a default radius.
 const OCCLUSION: &str = "ambient_occlusion";
+/// Name of the option that the command can choose by the scene.
+const EXPOSURE: &str = "exposure";
 
 impl Args for OptionArguments {
     fn augment_args(command: Command) -> Command {
@@ -41,9 +44,11 @@ impl Args for OptionArguments {
 
 impl FromArgMatches for OptionArguments {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let names = Setting::ALL.iter().map(|setting| setting.name).filter(|name| *name != OCCLUSION);
+        let names = Setting::ALL.iter().map(|setting| setting.name);
+        let names = names.filter(|name| ![OCCLUSION, EXPOSURE].contains(name));
         let given = names.filter_map(|name| Some((name, matches.get_one::<String>(name)?.clone())));
-        Ok(Self { given: given.collect(), occlusion: matches.get_one(OCCLUSION).copied() })
+        let (occlusion, exposure) = (matches.get_one(OCCLUSION).copied(), matches.get_one(EXPOSURE).copied());
+        Ok(Self { given: given.collect(), occlusion, exposure })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -58,6 +63,11 @@ fn argument(setting: &'static Setting) -> Arg {
     let default = Options::default().get(name).unwrap_or_default();
     let shown = match name {
         "samples" => "4 for a file without --plain or --cameras, else 1".to_owned(),
+        "lighting" => "paths=4:3 for pictures of a file with physically based materials, without --plain, --cameras, \
+                       --adaptive, --ambient-occlusion or --sky-rays; else direct"
+            .into(),
+        "denoise" => "true for pictures by paths by default; else false".into(),
+        EXPOSURE => "auto for pictures of a file without --plain or --cameras, else 0".into(),
         "shadow_rays" => format!("{default}; 4 for a file without --plain, --cameras, --samples or --adaptive"),
         OCCLUSION => {
             "off; a radius of 0.1 of the scene's diagonal, or 0.3 for a file without --plain or --cameras".into()
@@ -82,6 +92,7 @@ fn argument(setting: &'static Setting) -> Arg {
     match name {
         "adaptive" => argument.conflicts_with("samples").value_parser(move |text: &str| checked(name, text)),
         "sky_rays" => argument.alias("sky-light").value_parser(move |text: &str| checked(name, text)),
+        EXPOSURE => argument.value_name("EV|auto").value_parser(exposure),
         OCCLUSION => {
             argument.value_name("N[:RADIUS]").alias("occlusion").conflicts_with("sky_rays").value_parser(occlusion)
         }
@@ -109,15 +120,28 @@ impl PictureArguments {
         self.options.given.iter().any(|(given, _)| *given == name)
     }
 
+    /// Returns whether options on the command line leave the light of the automatic look open.
+    pub(crate) fn leaves_light_open(&self) -> bool {
+        self.options.occlusion.is_none() && !["lighting", "adaptive", "sky_rays"].iter().any(|name| self.gives(name))
+    }
+
     /// Returns the arguments with the defaults of the automatic look of a file: antialiasing, and ambient occlusion
-    /// unless lights or the sky light are given. Options on the command line keep their values.
-    pub(crate) fn flattered(&self, lights_are_said: bool, scene: &Scene) -> Self {
+    /// unless lights or the sky light are given. `by_paths` asks for light by paths instead. Options on the command
+    /// line keep their values.
+    pub(crate) fn flattered(&self, lights_are_said: bool, scene: &Scene, by_paths: bool) -> Self {
         let mut settled = self.clone();
-        if !self.gives("samples") && !self.gives("adaptive") {
-            if !self.gives("shadow_rays") {
-                settled.options.given.push(("shadow_rays", studio::RAYS.to_string()));
+        let mut default = |name: &'static str, value: String| {
+            if !self.gives(name) {
+                settled.options.given.push((name, value));
             }
-            settled.options.given.push(("samples", studio::SAMPLES.to_string()));
+        };
+        if !self.gives("samples") && !self.gives("adaptive") {
+            default("shadow_rays", studio::RAYS.to_string());
+            default("samples", studio::SAMPLES.to_string());
+        }
+        if by_paths {
+            default("lighting", studio::PATHS.into());
+            default("denoise", "true".into());
         }
         // Ambient occlusion treats glass as opaque, so objects in a glass case would be black.
         let has_glass = scene.materials().iter().any(|material| matches!(material.finish, Finish::Glass { .. }));
@@ -131,9 +155,16 @@ impl PictureArguments {
         settled
     }
 
+    /// Returns whether the exposure is chosen by the scene. `otherwise` applies if the command line does not say.
+    pub(crate) fn chooses_exposure(&self, otherwise: bool) -> bool {
+        self.options.exposure.map_or(otherwise, |exposure| exposure == ExposureArgument::Auto)
+    }
+
     /// Returns the options that the command line gives, with the library's defaults elsewhere.
     fn said(&self) -> Result<Options, Error> {
-        self.options.given.iter().try_fold(Options::default(), |options, (name, value)| options.set(name, value))
+        let stops = if let Some(ExposureArgument::Stops(stops)) = self.options.exposure { stops } else { 0.0 };
+        let options = Options::default().exposure(stops);
+        self.options.given.iter().try_fold(options, |options, (name, value)| options.set(name, value))
     }
 
     /// Returns the render options for a scene. `reach` is the default radius of ambient occlusion, as a share of the

@@ -10,8 +10,8 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    Builtin, Convergence, GBuffer, Method, Options, Renderer, Scene, SceneFile, StereoCamera, StereoPair,
-    UploadedScene, blocking::Wait,
+    Builtin, GBuffer, Method, Options, Renderer, Scene, SceneFile, StereoCamera, StereoPair, UploadedScene,
+    blocking::Wait, glam::Vec3,
 };
 
 use super::{CameraArguments, Global, LightArguments, PictureArguments, ReadingArguments};
@@ -30,8 +30,8 @@ pub(crate) struct Subject {
     /// Scene: an OBJ, glTF (.gltf, .glb) or PLY file, or builtin:NAME. `stereotrace info` lists the built-in scenes
     #[arg(default_value = "builtin:hall")]
     scene: PathBuf,
-    /// Disable the automatic look of a file: viewpoint from a corner, soft light, ambient occlusion, grey backdrop and
-    /// antialiasing. --cameras disables it too
+    /// Disable the automatic look of a file: viewpoint from a corner, soft light, ambient occlusion, light by paths for
+    /// physically based materials, exposure, grey backdrop and antialiasing. --cameras disables it too
     #[arg(long)]
     plain: bool,
     #[command(flatten)]
@@ -44,6 +44,17 @@ pub(crate) struct Subject {
     pub(crate) reading: ReadingArguments,
 }
 
+/// What frames are made for, which decides defaults of the automatic look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// Pictures to look at: light by paths if materials are physically based, and an exposure that suits the scene.
+    Pictures,
+    /// A window: direct light, since frames must be quick, and an exposure that suits the scene.
+    Window,
+    /// Measurements and data: direct light, and no change of exposure.
+    Data,
+}
+
 /// Inputs of a picture: scene, camera, options and device.
 pub(crate) struct Stage {
     /// Name of the scene, for tables and file names.
@@ -51,6 +62,8 @@ pub(crate) struct Stage {
     pub(crate) scene: Scene,
     pub(crate) camera: StereoCamera,
     pub(crate) options: Options,
+    /// Whether the automatic look chose light by paths.
+    pub(crate) is_by_paths_by_default: bool,
     pub(crate) renderer: Renderer,
     pub(crate) uploaded: UploadedScene,
     /// Time to read or make the scene.
@@ -82,14 +95,8 @@ pub(crate) fn depths(
     uploaded: &UploadedScene,
     camera: &StereoCamera,
 ) -> Result<(f32, f32), stereotrace::Error> {
-    let pose = camera.pose()?;
-    let [width, height] = pose.size;
-    let rows = (u64::from(PREVIEW) * u64::from(height) / u64::from(width)).clamp(1, 16 * u64::from(PREVIEW)) as u32;
     let options = Options::new(Method::Naive).g_buffer(GBuffer::Depth);
-    // Scaled intrinsics keep the field of view, also for cameras given by intrinsics.
-    let scales = [f64::from(PREVIEW) / f64::from(width), f64::from(rows) / f64::from(height)];
-    let camera = camera.convergence(Convergence::OffAxis).interaxial(pose.interaxial).size(PREVIEW, rows);
-    let camera = camera.intrinsics(pose.intrinsics().scaled(scales));
+    let camera = camera.resized(PREVIEW)?;
     let pair = renderer.pair(uploaded, &camera).options(&options).read().wait()?;
     let ranges = [&pair.left, &pair.right].map(|view| view.depth_range());
     Ok((ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1)))
@@ -97,16 +104,17 @@ pub(crate) fn depths(
 
 impl Subject {
     /// Reads all files, then opens the device and uploads the scene.
-    pub(crate) fn open(&self, global: &Global) -> Result<Stage, Box<dyn Error>> {
+    pub(crate) fn open(&self, purpose: Purpose, global: &Global) -> Result<Stage, Box<dyn Error>> {
         let begin = Instant::now();
         let (mut scene, cameras) = self.scene()?;
         let camera = self.stereo_camera(&scene, &cameras)?;
-        self.place_lights(&mut scene, &camera)?;
+        let by_paths = purpose == Purpose::Pictures && self.is_flattered() && self.suits_paths(&scene);
+        self.place_lights(&mut scene, &camera, by_paths)?;
         let (picture, reach) = match self.is_flattered() {
-            true => (self.picture.flattered(self.light.are_said(), &scene), studio::REACH),
+            true => (self.picture.flattered(self.light.are_said(), &scene, by_paths), studio::REACH),
             false => (self.picture.clone(), REACH),
         };
-        let options = picture.options(&scene, reach)?;
+        let mut options = picture.options(&scene, reach)?;
         let read = begin.elapsed();
 
         let gpu = global.gpu()?;
@@ -131,7 +139,16 @@ impl Subject {
                 chosen.camera
             }
         };
-        Ok(Stage { name: self.name(), scene, camera, options, renderer, uploaded, read, build })
+        if self.picture.chooses_exposure(purpose != Purpose::Data && self.is_flattered()) {
+            options.exposure = renderer.suggest_exposure(&uploaded, &camera, &options).wait()?;
+        }
+        let is_by_paths_by_default = by_paths;
+        Ok(Stage { name: self.name(), scene, camera, options, is_by_paths_by_default, renderer, uploaded, read, build })
+    }
+
+    /// Returns whether paths of light show more of a scene's materials than direct light does, and no option decides.
+    fn suits_paths(&self, scene: &Scene) -> bool {
+        self.picture.leaves_light_open() && scene.materials().iter().any(|material| material.principled.is_some())
     }
 
     /// Returns the scene's name: the name of a built-in scene, or the file name without its extension.
@@ -214,9 +231,9 @@ impl Subject {
         Ok(camera)
     }
 
-    /// Sets the lights. The options come first, then the file of --cameras, then the scene's own lights, then default
-    /// lights.
-    fn place_lights(&self, scene: &mut Scene, camera: &StereoCamera) -> Result<(), Box<dyn Error>> {
+    /// Sets the lights. The options come first, then the file of --cameras, then the scene's own lights, and surfaces
+    /// that emit light if paths find them, then default lights.
+    fn place_lights(&self, scene: &mut Scene, camera: &StereoCamera, by_paths: bool) -> Result<(), Box<dyn Error>> {
         let builtin = self.builtin()?;
         let otherwise = |scene: &mut Scene| {
             if let Some(file) = &self.camera.cameras
@@ -227,6 +244,7 @@ impl Subject {
             match builtin {
                 Some(_) => Ok(()),
                 None if !scene.lights.is_empty() => Ok(()),
+                None if by_paths && scene.materials().iter().any(|one| one.emission != Vec3::ZERO) => Ok(()),
                 None if self.is_flattered() => studio::light(scene, camera),
                 None => scene.place_lights(DEFAULT_LIGHTS, camera),
             }

@@ -1,6 +1,6 @@
 //! Parses option values.
 
-use std::ops::Range;
+use std::{ops::Range, path::PathBuf};
 
 use stereotrace::{
     Light, MissingTextures, Origin, OutsideFiles,
@@ -69,6 +69,26 @@ pub(crate) fn ambient(text: &str) -> Result<Vec3, String> {
     light.ok_or_else(|| "light must be a number like 0.3, or three like 1,0.9,0.8, of at least 0".into())
 }
 
+/// The sky of --sky.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum SkyArgument {
+    /// Linear light of all directions.
+    Color(Vec3),
+    Procedural,
+    File(PathBuf),
+}
+
+/// Parses a sky. Numbers between commas are linear light.
+pub(crate) fn sky(text: PathBuf) -> Result<SkyArgument, String> {
+    match text.to_str() {
+        Some("procedural") => Ok(SkyArgument::Procedural),
+        Some(light) if light.split(',').all(|part| part.parse::<f32>().is_ok()) => {
+            ambient(light).map(SkyArgument::Color)
+        }
+        _ => Ok(SkyArgument::File(text)),
+    }
+}
+
 pub(crate) fn display(text: &str) -> Result<Display, String> {
     let sides = text.split_once(':').ok_or("it must be width and distance in metres, like 1.2:2.5")?;
     Ok(Display::new(above_zero(sides.0)?, above_zero(sides.1)?))
@@ -94,6 +114,22 @@ pub(crate) fn occlusion(text: &str) -> Result<OcclusionArgument, String> {
     let (rays, radius) = text.split_once(':').map_or((text, None), |(rays, radius)| (rays, Some(radius)));
     let rays = rays.parse().map_err(|_| "it must be a number of rays like 16, or with a radius like 16:0.5")?;
     Ok(OcclusionArgument(rays, radius.map(above_zero).transpose()?))
+}
+
+/// The exposure of --exposure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum ExposureArgument {
+    /// Chosen by the scene.
+    Auto,
+    Stops(f32),
+}
+
+pub(crate) fn exposure(text: &str) -> Result<ExposureArgument, String> {
+    if text == "auto" {
+        return Ok(ExposureArgument::Auto);
+    }
+    let stops = text.parse().ok().filter(|stops| (-64.0..=64.0).contains(stops));
+    stops.map(ExposureArgument::Stops).ok_or_else(|| "it must be auto, or -64 to 64 stops".into())
 }
 
 pub(crate) fn missing_textures(text: &str) -> Result<MissingTextures, String> {

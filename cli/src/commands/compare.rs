@@ -17,7 +17,7 @@ use stereotrace::{
 
 use super::report::{difference_json, scene_line};
 use crate::{
-    arguments::{Global, Subject},
+    arguments::{Global, Purpose, Subject},
     progress::Progress,
     summary::Summary,
 };
@@ -59,7 +59,7 @@ impl Row {
 }
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
-    let mut stage = arguments.subject.open(global)?;
+    let mut stage = arguments.subject.open(Purpose::Data, global)?;
     let mut methods = vec![Method::Naive];
     methods.extend(arguments.methods.iter().filter(|&&method| method != Method::Naive));
     let pictures = methods.len() as u32 * (arguments.rounds + 1);

@@ -20,7 +20,7 @@ use stereotrace::{
 
 use super::motion::{Motion, MotionArguments};
 use crate::{
-    arguments::{Global, Stage, Subject, above_zero, frames},
+    arguments::{Global, Purpose, Stage, Subject, above_zero, frames},
     manifest::{MANIFEST, Manifest},
     progress::Progress,
     record, shown,
@@ -73,7 +73,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let Target::Folder(folder) = Target::of(&arguments.out)? else {
         return Err(format!("{}: a data set needs a folder", shown(&arguments.out)).into());
     };
-    let mut stage = arguments.subject.open(global)?;
+    let mut stage = arguments.subject.open(Purpose::Data, global)?;
     if !arguments.subject.screen_is_said() {
         stage.camera = stage.camera.parallel()?;
     }

@@ -13,7 +13,7 @@ use stereotrace::{
 
 use super::report::scene_line;
 use crate::{
-    arguments::{Global, Stage, Subject, above_zero, depths},
+    arguments::{Global, Purpose, Stage, Subject, above_zero, depths},
     summary::Summary,
 };
 
@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
-    let mut stage = arguments.subject.open(global)?;
+    let mut stage = arguments.subject.open(Purpose::Data, global)?;
     let mut text = format!("stereotrace {}\n", env!("CARGO_PKG_VERSION"));
     let machine = machine(&stage, &mut text)?;
     let builtins = Builtin::ALL.iter().map(Builtin::to_string);

@@ -12,7 +12,7 @@ use stereotrace::{GroundTruth, Method, StereoPair, blocking::Wait, metrics::comp
 
 use super::report::{Report, WallTimes};
 use crate::{
-    arguments::{Global, Subject, above_zero},
+    arguments::{Global, Purpose, Subject, above_zero},
     progress::Progress,
     summary::Summary,
     target::{EyesArguments, Target, add_pair, is_open_exr},
@@ -92,7 +92,8 @@ fn watch(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summ
 }
 
 fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summary, Box<dyn Error>> {
-    let mut stage = arguments.subject.open(global)?;
+    let purpose = if arguments.compare { Purpose::Data } else { Purpose::Pictures };
+    let mut stage = arguments.subject.open(purpose, global)?;
     let begin = Instant::now();
     let is_open_exr = matches!(target, Target::File(file) if is_open_exr(file));
     let options = stage.options.clone().cost_map(arguments.dump).linear(is_open_exr);

@@ -8,7 +8,7 @@ use std::{
 
 use serde_json::{Value, json};
 use stereotrace::{
-    Comfort, MISS, Statistics, StereoPair, Work,
+    Comfort, Lighting, MISS, Statistics, StereoPair, Work,
     message::{counted, escaped, noun},
     metrics::Difference,
 };
@@ -50,6 +50,7 @@ impl Display for Report<'_> {
         if let Some(choice) = statistics.choice {
             line(f, "chose", choice)?;
         }
+        self.light_lines(f)?;
         self.time_lines(f)?;
         self.work_lines(f)?;
         line(f, "re-traced", retraced(statistics))?;
@@ -106,6 +107,11 @@ impl Report<'_> {
                 "screen_distance": pose.screen_distance,
                 "interaxial": pose.interaxial,
                 "interaxial_px": pose.interaxial_px,
+            },
+            "light": {
+                "lighting": self.stage.options.get("lighting").ok(),
+                "denoise": self.stage.options.denoise,
+                "exposure": self.stage.options.exposure,
             },
             "method": { "asked": self.stage.options.method.to_string(), "used": statistics.method.to_string() },
             "ms": { "read": wall[0], "build": wall[1], "render": wall[2], "passes": passes },
@@ -178,6 +184,22 @@ impl Report<'_> {
                 let lost = counted(statistics.lost_candidates, "candidate", "candidates");
                 format!("{method}: {} per pixel, {lost} lost", counted(slots, "slot", "slots"))
             }
+        }
+    }
+
+    fn light_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let options = &self.stage.options;
+        if let Lighting::Paths { bounces, samples } = options.lighting {
+            let (paths, bounces) = (counted(samples, "path", "paths"), counted(bounces, "bounce", "bounces"));
+            let noise = if options.denoise { ", denoised" } else { "" };
+            line(f, "light", format!("{paths} per pixel, {bounces}{noise}"))?;
+            if self.stage.is_by_paths_by_default {
+                line(f, "", "--lighting direct is faster, and --lighting paths=64 has finer detail")?;
+            }
+        }
+        match options.exposure {
+            0.0 => Ok(()),
+            stops => line(f, "exposure", format!("{stops:+} stops")),
         }
     }
 

@@ -16,7 +16,7 @@ use stereotrace::{StereoPair, message::counted, output::Batch, output::write_who
 
 use super::motion::{Motion, MotionArguments};
 use crate::{
-    arguments::{Global, Subject, frames},
+    arguments::{Global, Purpose, Subject, frames},
     progress::Progress,
     record, shown,
     stop::{Interrupted, Stop},
@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let names = Names::of(&arguments.out)?;
-    let mut stage = arguments.subject.open(global)?;
+    let mut stage = arguments.subject.open(Purpose::Pictures, global)?;
     let motion = arguments.motion.motion(&arguments.subject, stage.camera)?;
     let motion = motion.unwrap_or(Motion::Orbit(stage.camera, ORBIT));
     let all = 0..motion.frames();

@@ -13,7 +13,7 @@ use stereotrace::{
 };
 
 use crate::{
-    arguments::{Global, Subject, size},
+    arguments::{Global, Purpose, Subject, size},
     progress::Progress,
     shown,
     summary::Summary,
@@ -48,7 +48,7 @@ const VIEWS: u32 = 8;
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let count = count(arguments)?;
     let target = Target::of(&arguments.out)?;
-    let mut stage = arguments.subject.open(global)?;
+    let mut stage = arguments.subject.open(Purpose::Pictures, global)?;
     let rig = Rig::row(stage.camera, count as usize);
     let begin = Instant::now();
     let mut progress = Progress::new(global, 1);

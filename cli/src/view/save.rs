@@ -207,7 +207,10 @@ mod tests {
     use stereotrace::{Builtin, Gpu, Renderer, blocking::Wait, glam::Vec3};
 
     use super::*;
-    use crate::{arguments::Command, folder::Folder};
+    use crate::{
+        arguments::{Command, Purpose},
+        folder::Folder,
+    };
 
     fn words(words: &[&str]) -> Vec<OsString> {
         words.iter().map(OsString::from).collect()
@@ -245,7 +248,7 @@ mod tests {
         let line = [&["stereotrace", "view", "--adapter", "software"], line].concat();
         let Cli { global, command: Command::View(arguments) } = Cli::parse_from(&line) else { panic!("view") };
         let (subject, eyes) = arguments.parts();
-        let mut stage = subject.open(&global).unwrap();
+        let mut stage = subject.open(Purpose::Window, &global).unwrap();
         let mut settings = Settings::new(&stage, eyes, subject.picture.size()).unwrap();
         change(&mut settings);
         let uploaded = stage.renderer.upload(&stage.scene).wait().unwrap();
@@ -330,7 +333,7 @@ mod tests {
             panic!("view")
         };
         let (subject, eyes) = arguments.parts();
-        let mut settings = Settings::new(&subject.open(&global).unwrap(), eyes, [20, 10]).unwrap();
+        let mut settings = Settings::new(&subject.open(Purpose::Window, &global).unwrap(), eyes, [20, 10]).unwrap();
         let out = folder.file("out");
         assert_eq!(write(&settings, &pair, &out, "x").unwrap(), out.join("x-001.png"));
         assert_eq!(write(&settings, &pair, &out, "x").unwrap(), out.join("x-002.png"));
