@@ -10,9 +10,10 @@
 
 // Weights of a cubic B-spline at distances 0, 1 and 2.
 const SPLINE: array<f32, 3> = array(0.375, 0.25, 0.0625);
-// Difference of brightness at which the weight falls to 1/e, in standard deviations, of diffuse and of glossy light.
-// Mirrors and glass show edges that no guide tells of, so less is allowed there.
-const DEVIATIONS: vec2f = vec2f(4.0, 1.5);
+// Difference of brightness at which the weight falls to 1/e, in standard deviations. Mirrors, glass and narrow
+// highlights show edges that no guide tells of, so less is allowed there.
+const DEVIATIONS: f32 = 4.0;
+const NARROW_DEVIATIONS: f32 = 1.5;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn smooth_light_once(@builtin(global_invocation_id) id: vec3u) {
@@ -23,7 +24,9 @@ fn smooth_light_once(@builtin(global_invocation_id) id: vec3u) {
     if guide.normal == NO_NORMAL { smooth_light[index] = light; return; }
     let normal = from_octahedral(guide.normal);
     let own = vec2f(luminance(light.diffuse), luminance(light.glossy));
-    let tolerance = DEVIATIONS * sqrt(variances_around(id.xy)) + 1e-9;
+    let smoothness = clamp(guide.lobe_width / SMOOTH_WIDTH, 0.0, 1.0);
+    let deviations = vec2f(DEVIATIONS, mix(NARROW_DEVIATIONS, DEVIATIONS, smoothness));
+    let variances = variances_around(id.xy);
     var diffuse = vec4f(0.0);
     var glossy = vec4f(0.0);
     var weights = vec2f(0.0);
@@ -32,6 +35,8 @@ fn smooth_light_once(@builtin(global_invocation_id) id: vec3u) {
             let other = index_beside(id.xy, vec2i(x, y) * i32(frame.paths.ray));
             if other == NOWHERE { continue; }
             let there = noisy_light[other];
+            let others = max(vec2f(there.diffuse_variance, there.glossy_variance), vec2f(0.0));
+            let tolerance = deviations * sqrt(variances + others) + 1e-9;
             let off = abs(vec2f(luminance(there.diffuse), luminance(there.glossy)) - own) / tolerance;
             let spline = SPLINE[abs(x)] * SPLINE[abs(y)];
             let weight = spline * alike(guide, normal, guides[other]) * reflected_kinds(there) * exp(-off);

@@ -9,6 +9,8 @@
 //! use display, noisy, octahedral, pixels
 
 const REACH: i32 = 3;
+// Weights of all pixels around a pixel below which it is bounded.
+const FEW: f32 = 2.0;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn smooth_variances(@builtin(global_invocation_id) id: vec3u) {
@@ -32,7 +34,8 @@ fn smooth_variances(@builtin(global_invocation_id) id: vec3u) {
     }
     // A pixel's weight for itself is 1, or 0 for light that it does not reflect.
     let kinds = reflected_kinds(light);
-    let scale = bound_by_chance(id.xy, light);
+    let is_narrow = vec2<bool>(false, guide.lobe_width < SMOOTH_WIDTH);
+    let scale = select(vec2f(1.0), bound_by_chance(id.xy, light), is_narrow | (weights < vec2f(FEW)));
     light.diffuse *= scale.x;
     light.glossy *= scale.y;
     let means = sum / max(weights, vec2f(1.0));

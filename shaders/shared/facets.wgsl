@@ -25,6 +25,12 @@ struct Lobes {
     is_fresnel: bool,       // whether glass splits light by the angle
 }
 
+// Returns the alpha of a surface's highlight. It is 0 for mirrors, glass and veils, and 1 for matte surfaces.
+fn lobe_width(lobes: Lobes) -> f32 {
+    if lobes.opacity < 1.0 || lobes.is_glass { return 0.0; }
+    return select(1.0, clamp(lobes.alpha, 0.0, 1.0), lobes.glossy > 0.0);
+}
+
 // Returns Phong's exponent as the alpha of a lobe of about the same width (Walter et al. 2007, "Microfacet Models for
 // Refraction through Rough Surfaces", section 5.2).
 fn alpha_of_exponent(exponent: f32) -> f32 { return sqrt(2.0 / (phong_exponent(exponent) + 2.0)); }

@@ -45,9 +45,3 @@ fn begin_path(pixels: Pixels) {
     count_view(pixel.y, light_rays, nodes_visited, primitives_tested);
     atomicAdd(&counters[pixel.y * COUNTERS + OWN_SHADOW_RAYS], light_rays);
 }
-
-// Returns the alpha of a surface's highlight. It is 0 for mirrors, glass and veils, and 1 for matte surfaces.
-fn lobe_width(lobes: Lobes) -> f32 {
-    if lobes.opacity < 1.0 || lobes.is_glass { return 0.0; }
-    return select(1.0, clamp(lobes.alpha, 0.0, 1.0), lobes.glossy > 0.0);
-}

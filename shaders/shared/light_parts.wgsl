@@ -1,6 +1,6 @@
 // Light of pixels in parts, which are read back for denoising.
 
-//! use octahedral, paths, scattering
+//! use facets, octahedral, paths, scattering
 
 // Variance of light of a kind that a surface does not reflect.
 const NO_LIGHT: f32 = -1.0;
@@ -18,7 +18,7 @@ struct LightParts {
     point_y: f32,
     point_z: f32,
     coverage: f32,             // share of the pixel that shows a surface
-    _pad: u32,
+    lobe_width: f32,           // alpha of the highlight, 0 for mirrors and glass
 }
 
 var<storage, read_write> light_parts: array<LightParts>;
@@ -39,7 +39,7 @@ fn keep_parts(index: u32, vertex: Vertex, sum: Brought, rest: vec3f) {
         vertex.point.y,
         vertex.point.z,
         1.0,
-        0u,
+        lobe_width(lobes),
     );
 }
 

@@ -12,6 +12,8 @@ struct Noisy {
 struct Guide {
     point: vec3f,   // in the scene's frame
     normal: u32,    // octahedral, or NO_NORMAL where the pixel shows no surface
+    lobe_width: f32,
+    _pad: array<u32, 3>,
 }
 
 var<storage, read> guides: array<Guide>;
@@ -23,6 +25,9 @@ const DIFFUSE_NORMALS: f32 = 64.0;
 const GLOSSY_NORMALS: f32 = 128.0;
 // Slope between two pixels' points and the plane of one of them at which their weight falls to 1/e.
 const SLOPE: f32 = 0.1;
+
+// Alpha from which a highlight is as smooth as diffuse light.
+const SMOOTH_WIDTH: f32 = 0.25;
 
 // Returned for places outside the strip.
 const NOWHERE: u32 = 0xffffffffu;

@@ -176,7 +176,7 @@ pub(crate) struct LightParts {
     pub(crate) point_y: f32,
     pub(crate) point_z: f32,
     pub(crate) coverage: f32,
-    pub(crate) _pad: u32,
+    pub(crate) lobe_width: f32,
 }
 
 /// Octahedral normal of a pixel that shows no surface.
@@ -200,6 +200,8 @@ pub(crate) struct Noisy {
 pub(crate) struct Guide {
     pub(crate) point: [f32; 3],
     pub(crate) normal: u32,
+    pub(crate) lobe_width: f32,
+    pub(crate) _pad: [u32; 3],
 }
 
 /// `Mapping` of shaders/shared/frame.wgsl.

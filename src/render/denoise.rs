@@ -120,7 +120,8 @@ impl LightParts {
     }
 
     fn guide(&self) -> Guide {
-        Guide { point: [self.point_x, self.point_y, self.point_z], normal: self.normal }
+        let point = [self.point_x, self.point_y, self.point_z];
+        Guide { point, normal: self.normal, lobe_width: self.lobe_width, _pad: [0; 3] }
     }
 
     /// Returns the pixel's colour under this light.

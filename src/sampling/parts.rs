@@ -19,6 +19,7 @@ pub(super) struct PartSums {
     rest: Vec3,
     point: Vec3,
     normal: Vec3,
+    lobe_width: f32,
     /// Weight of the samples that show a surface.
     surface: f32,
     weights: Vec2,
@@ -43,6 +44,7 @@ impl PartSums {
         self.albedo += weight * albedo;
         self.point += weight * Vec3::new(parts.point_x, parts.point_y, parts.point_z);
         self.normal += weight * from_octahedral(parts.normal);
+        self.lobe_width += weight * parts.lobe_width;
         self.surface += weight;
         let variances = Vec2::new(parts.diffuse_variance, parts.glossy_variance);
         let weights = Vec2::select(variances.cmpge(Vec2::ZERO), Vec2::splat(weight), Vec2::ZERO);
@@ -87,7 +89,7 @@ impl PartSums {
             point_y,
             point_z,
             coverage: self.surface,
-            ..LightParts::default()
+            lobe_width: self.lobe_width / self.surface,
         }
     }
 }

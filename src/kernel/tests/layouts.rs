@@ -113,12 +113,12 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             point_y,
             point_z,
             coverage,
-            _pad
+            lobe_width
         }
     );
     let smooth = parse(&SMOOTH_LIGHT_ONCE, &Variant::PIXELS);
     assert_layout!(&smooth, Noisy { diffuse, diffuse_variance, glossy, glossy_variance });
-    assert_layout!(&smooth, Guide { point, normal });
+    assert_layout!(&smooth, Guide { point, normal, lobe_width, _pad });
 }
 
 #[test]
