@@ -101,6 +101,15 @@ fn the_exposure_suits_the_scene_or_is_as_given() {
     assert_eq!(stops(&[&dark[..], &["--exposure", "-0.5"]].concat()), -0.5);
     assert_eq!(stops(&[&dark[..], &["--plain"]].concat()), 0.0);
     assert!(stops(&[&dark[..], &["--plain", "--exposure", "auto"]].concat()) > 2.0);
+    // More light needs fewer stops.
+    let brighter = [&dark[..], &["--sky-gain", "8"]].concat();
+    assert!(stops(&brighter) < stops(&dark) - 1.5, "{} {}", stops(&brighter), stops(&dark));
+    for (option, value, reason) in
+        [("--sky-turn", "nan", "can't be turned by NaN degrees"), ("--sky-gain", "-1", "finite and")]
+    {
+        let message = error_of(&[&SMALL[..], &["builtin:hall", "--sky", "procedural", option, value]].concat());
+        assert!(message.contains(reason), "{message}");
+    }
     let message = error_of(&[&SMALL[..], &[&scene, "--exposure", "bright"]].concat());
     assert!(message.contains("it must be auto, or -64 to 64 stops"), "{message}");
 }

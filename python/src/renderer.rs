@@ -308,6 +308,25 @@ impl Renderer {
         StereoPair::of(py, Frame { pair, truth, camera, request })
     }
 
+    /// Returns an exposure in stops, for the option ``exposure``, by which the picture is neither dark nor burnt.
+    ///
+    /// It is 0 if no change is needed. Small pictures of both eyes are rendered under the light of the options, which
+    /// are those of ``render``. Exposed, their geometric mean is from 0.12 to 0.5, and at most a tenth of them is
+    /// brighter than white. Raises as ``render`` does.
+    #[pyo3(signature = (scene, camera, **options))]
+    fn suggest_exposure(
+        &self,
+        py: Python<'_>,
+        scene: &Scene,
+        camera: Camera,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<f32> {
+        let request = Request::of(options)?;
+        self.work(py, scene, None, |renderer, uploaded, _| {
+            renderer.suggest_exposure(uploaded, &camera.0, &request.options).wait()
+        })
+    }
+
     /// Renders the views of several eyes on one line behind one screen.
     ///
     /// ``eyes`` is either their number, 1 to 1024, or a list of offsets. With a number, neighbours are one interaxial

@@ -491,9 +491,13 @@ impl Scene {
     /// - an array of floats, ``(height, width, 3)``, linear RGB;
     /// - ``"procedural"``: a sun and clouds over a plain, 1024 x 512 pixels.
     ///
+    /// ``turn`` turns the sky to the right, in degrees about the world's y axis, by whole columns. ``gain`` multiplies
+    /// its light.
+    ///
     /// The width must be even. Raises ``OSError`` if the file can't be read. Raises ``ValueError`` for an invalid or
     /// too large picture, and for colours that are negative or not finite.
-    fn set_sky_map(&mut self, picture: &Bound<'_, PyAny>) -> PyResult<()> {
+    #[pyo3(signature = (picture, *, turn = 0.0, gain = 1.0))]
+    fn set_sky_map(&mut self, picture: &Bound<'_, PyAny>, turn: f64, gain: f32) -> PyResult<()> {
         let map = match picture.extract::<PathBuf>() {
             // The string is the procedural sky. A file of that name is Path("procedural").
             Ok(_) if picture.eq("procedural")? => SkyMap::procedural(1024),
@@ -503,7 +507,8 @@ impl Scene {
                 SkyMap::new(width, height, pixels)
             }
         };
-        self.changed().sky = Sky::Map(map.map_err(raised)?);
+        let map = map.and_then(|map| map.turned(turn)?.scaled(gain)).map_err(raised)?;
+        self.changed().sky = Sky::Map(map);
         Ok(())
     }
 

@@ -140,6 +140,15 @@ def test_lights_and_sky(renderer):
     sky[..., 2] = 0.7
     scene.set_sky_map(sky)
     assert np.allclose(renderer.render(scene, CAMERA, outputs=["linear"]).left.linear[0, 0], (0, 0, 0.7), atol=1e-6)
+    sky[:, 4] = (0.7, 0, 0)
+    scene.set_sky_map(sky, turn=180, gain=0.5)
+    behind = Camera((0, 0, 3), (0, 0, 9), size=(24, 18))
+    seen = renderer.render(scene, behind, outputs=["linear"]).left.linear[9, 12]
+    assert np.allclose(seen[1], 0, atol=1e-6) and 0.1 < seen[0] <= 0.35
+    with pytest.raises(ValueError, match="turned"):
+        scene.set_sky_map(sky, turn=float("nan"))
+    assert renderer.suggest_exposure(scene, CAMERA, lighting="paths=4:2") > 0
+    assert renderer.suggest_exposure(scene, CAMERA) == renderer.suggest_exposure(scene, CAMERA, exposure=3)
     placed = scene.lights_around(3, CAMERA)
     assert len(placed) == 3 and scene.lights == lamps
     scene.place_lights(3, CAMERA)

@@ -86,6 +86,33 @@ impl SkyMap {
         Self::new(width, height, (0..width * height).map(color).collect())
     }
 
+    /// Turns the sky about the world's y axis, by an angle in degrees and to the right: at 90 degrees, the middle
+    /// column points to +x. The angle is rounded to whole columns, so no highlight is blurred.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for an angle that is not finite.
+    pub fn turned(&self, degrees: f64) -> Result<Self, Error> {
+        if !degrees.is_finite() {
+            return Err(Error::Scene {
+                element: "sky".into(),
+                reason: format!("it can't be turned by {degrees} degrees"),
+            });
+        }
+        let columns = ((degrees / 360.0).rem_euclid(1.0) * f64::from(self.width)).round() as usize;
+        let mut pixels = self.pixels.to_vec();
+        pixels.chunks_mut(self.width as usize).for_each(|row| row.rotate_right(columns % row.len()));
+        Ok(Self { pixels: Arc::new(pixels), ..*self })
+    }
+
+    /// Multiplies the sky's light.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a factor that is negative or not finite, or that makes a colour infinite.
+    pub fn scaled(&self, factor: f32) -> Result<Self, Error> {
+        let pixels = self.pixels.iter().map(|pixel| *pixel * factor).collect();
+        Self::new(self.width, self.height, pixels)
+    }
+
     /// Returns width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.width, self.height]
@@ -122,6 +149,24 @@ mod tests {
     fn compass(width: u32) -> SkyMap {
         let color = |index| 0.5 + 0.5 * direction(width, width / 2, index % width, index / width);
         SkyMap::new(width, width / 2, (0..width * width / 2).map(color).collect()).unwrap()
+    }
+
+    #[test]
+    fn a_turned_sky_has_its_colours_to_the_right() {
+        let sky = compass(64);
+        let pixel = |sky: &SkyMap, column: usize| sky.pixels()[16 * 64 + column];
+        let turned = sky.turned(90.0).unwrap();
+        // The column that points to -z, before the middle, now points to +x.
+        assert_eq!(pixel(&turned, 48), pixel(&sky, 32));
+        assert_eq!(pixel(&turned, 0), pixel(&sky, 48));
+        assert!(sky.turned(-270.0).unwrap() == turned && sky.turned(810.0).unwrap() == turned);
+        assert!(sky.turned(0.0).unwrap() == sky && sky.turned(360.0).unwrap() == sky);
+        assert!(sky.turned(359.99).unwrap() == sky);
+        assert!(sky.turned(f64::NAN).unwrap_err().to_string().contains("can't be turned by NaN degrees"));
+        assert_eq!(pixel(&sky.scaled(4.0).unwrap(), 5), 4.0 * pixel(&sky, 5));
+        for factor in [-1.0, f32::NAN, f32::INFINITY] {
+            assert!(sky.scaled(factor).unwrap_err().to_string().contains("finite and not negative"), "{factor}");
+        }
     }
 
     #[test]

@@ -39,6 +39,12 @@ pub(crate) struct LightArguments {
     /// --cameras]
     #[arg(long, value_name = "FILE|V|R,G,B", value_parser = PathBufValueParser::new().try_map(sky))]
     sky: Option<SkyArgument>,
+    /// Turn the sky to the right, in degrees about the world's y axis
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    sky_turn: Option<f64>,
+    /// Multiply the sky's light, 0 or more
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
+    sky_gain: Option<f32>,
 }
 
 impl LightArguments {
@@ -80,13 +86,23 @@ impl LightArguments {
         if let Some(SkyArgument::File(file)) = &self.sky { Some(file.clone()) } else { None }
     }
 
-    /// Reads or makes the sky of --sky, within the adapter's limits.
-    pub(crate) fn sky(&self, limits: Limits, gpu: &Gpu) -> Result<Option<Sky>, stereotrace::Error> {
-        Ok(match &self.sky {
-            None => None,
-            Some(SkyArgument::Color(light)) => Some(Sky::Constant(*light)),
-            Some(SkyArgument::Procedural) => Some(Sky::Map(SkyMap::procedural(1024)?)),
-            Some(SkyArgument::File(file)) => Some(Sky::Map(SkyMap::open_within(file, &limits.gpu(gpu))?)),
+    /// Reads or makes the sky of --sky, within the adapter's limits, or takes the scene's own sky.
+    pub(crate) fn sky(&self, own: Sky, limits: Limits, gpu: &Gpu) -> Result<Sky, stereotrace::Error> {
+        let sky = match &self.sky {
+            None => own,
+            Some(SkyArgument::Color(light)) => Sky::Constant(*light),
+            Some(SkyArgument::Procedural) => Sky::Map(SkyMap::procedural(1024)?),
+            Some(SkyArgument::File(file)) => Sky::Map(SkyMap::open_within(file, &limits.gpu(gpu))?),
+        };
+        let gain = self.sky_gain.unwrap_or(1.0);
+        Ok(match sky {
+            Sky::Map(map) => {
+                let map = if let Some(degrees) = self.sky_turn { map.turned(degrees)? } else { map };
+                Sky::Map(if self.sky_gain.is_some() { map.scaled(gain)? } else { map })
+            }
+            Sky::Constant(light) => Sky::Constant(light * gain),
+            Sky::Gradient { nadir, zenith } => Sky::Gradient { nadir: nadir * gain, zenith: zenith * gain },
+            _ => sky,
         })
     }
 }

@@ -119,11 +119,8 @@ impl Subject {
 
         let gpu = global.gpu()?;
         let begin = Instant::now();
-        match self.light.sky(self.reading.limits(), &gpu)? {
-            Some(sky) => scene.sky = sky,
-            None if self.is_flattered() => scene.sky = studio::backdrop(),
-            None => {}
-        }
+        let own = if self.is_flattered() { studio::backdrop() } else { scene.sky };
+        scene.sky = self.light.sky(own, self.reading.limits(), &gpu)?;
         let read = read + begin.elapsed();
 
         let mut renderer = Renderer::new(gpu);
