@@ -81,6 +81,14 @@ fn files_of_physically_based_materials_are_shown_by_paths() {
     ] {
         assert_eq!(light(direct), ("direct".into(), false), "{direct:?}");
     }
+    // OpenEXR files of such pictures have the albedo.
+    let holds_albedo = |more: &[&str]| {
+        let out = folder.file("gold.exr");
+        printed(&[&SMALL[..], &[&scene, "--out", out.to_str().unwrap()], more].concat());
+        let bytes = fs::read(out).unwrap();
+        bytes.windows(8).any(|window| window == b"albedo.G")
+    };
+    assert!(holds_albedo(&[]) && !holds_albedo(&["--lighting", "direct"]));
     let text = printed(&[&SMALL[..], &[&scene, "--out", &out]].concat());
     assert!(text.contains("4 paths per pixel, 3 bounces, denoised"), "{text}");
     assert!(text.contains("--lighting direct is faster"), "{text}");

@@ -84,6 +84,8 @@ impl Source {
 /// - ``color``: uint8, ``(height, width, 3)``. The picture in sRGB.
 /// - ``linear``: float32, ``(height, width, 3)``. Linear RGB before the options ``exposure`` and ``tone``; may exceed
 ///   1.
+/// - ``albedo``: float32, ``(height, width, 3)``. Share of light that surfaces reflect, linear RGB, averaged over the
+///   pixel's samples: diffuse reflection and highlights; 1 for glass, 0 for sky. Only with light by paths.
 /// - ``depth``: float32, ``(height, width)``. Depth along the view direction in world units; infinite for sky.
 /// - ``distance``: float32, ``(height, width)``. Distance from the eye along the pixel's ray in world units; infinite
 ///   for sky. Pairs only.

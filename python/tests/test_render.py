@@ -82,8 +82,10 @@ def test_every_array_has_its_shape_and_agrees_with_the_others(renderer, hall):
         for normal in (view.normal, view.geometric_normal):
             assert np.allclose(np.linalg.norm(normal[view.primitive != stereotrace.MISS], axis=-1), 1, atol=1e-5)
         assert (view.distance >= view.depth * (1 - 1e-6)).all()
-    assert set(pair.right.arrays()) == set(stereotrace.OUTPUTS)
-    assert set(stereotrace.OUTPUTS) - set(pair.left.arrays()) == {"source", "shadow_source"}
+    assert set(stereotrace.OUTPUTS) - set(pair.right.arrays()) == {"albedo"}
+    assert set(stereotrace.OUTPUTS) - set(pair.left.arrays()) == {"albedo", "source", "shadow_source"}
+    by_paths = renderer.render(hall, camera, outputs=["albedo"], lighting="paths=1:1").right.albedo
+    assert by_paths.shape == (61, 97, 3) and by_paths.dtype == np.float32 and 0 < by_paths.mean() < 1
     reused = int((pair.right.source == 0).sum())
     assert reused == pair.statistics["reused"] > 0
     # A world point that a pixel shows is where the camera projects it to.

@@ -19,6 +19,8 @@ struct LightParts {
     point_z: f32,
     coverage: f32,             // share of the pixel that shows a surface
     lobe_width: f32,           // alpha of the highlight, 0 for mirrors and glass
+    reflectance: vec3f,        // of highlights and mirrors at normal incidence; 1 for glass
+    _pad: u32,
 }
 
 var<storage, read_write> light_parts: array<LightParts>;
@@ -40,6 +42,8 @@ fn keep_parts(index: u32, vertex: Vertex, sum: Brought, rest: vec3f) {
         vertex.point.z,
         1.0,
         lobe_width(lobes),
+        select(lobes.reflectance, vec3f(1.0), lobes.is_glass),
+        0u,
     );
 }
 

@@ -13,6 +13,9 @@ pub enum Channel {
     Color,
     /// Linear RGB radiance before exposure and tone mapping, without an upper limit, and alpha 1.
     Linear,
+    /// Share of light that surfaces reflect, linear RGB, averaged over a pixel's samples: diffuse reflection and
+    /// highlights; 1 for glass, 0 for sky. For denoisers of others. Only with light by paths.
+    Albedo,
     /// Depth along the view direction in world units; infinite for sky.
     Depth,
     /// Distance from the eye along the pixel's ray in world units; infinite for sky.
@@ -67,6 +70,7 @@ impl Channel {
     pub const ALL: &'static [Self] = &[
         Self::Color,
         Self::Linear,
+        Self::Albedo,
         Self::Depth,
         Self::Distance,
         Self::Disparity,
@@ -86,6 +90,7 @@ impl Channel {
         match self {
             Self::Color => row("color", Maker::View, &[]),
             Self::Linear => row("linear", Maker::View, &["R", "G", "B"]),
+            Self::Albedo => row("albedo", Maker::View, &["albedo.R", "albedo.G", "albedo.B"]),
             Self::Depth => row("depth", Maker::View, &["Z"]),
             Self::Distance => row("distance", Maker::GroundTruth, &["distance"]),
             Self::Disparity => row("disparity", Maker::Pair, &["disparity"]),
@@ -121,8 +126,8 @@ impl Channel {
 by_name!(Channel, "output");
 
 impl Options {
-    /// Sets what frames keep for each pixel to what these channels need: [`Options::g_buffer`], [`Options::linear`] and
-    /// [`Options::cost_map`].
+    /// Sets what frames keep for each pixel to what these channels need: [`Options::g_buffer`], [`Options::linear`],
+    /// [`Options::albedo`] and [`Options::cost_map`].
     #[must_use]
     pub fn channels(self, channels: &[Channel]) -> Self {
         let has = |wanted: &[Channel]| wanted.iter().any(|channel| channels.contains(channel));
@@ -132,7 +137,8 @@ impl Options {
             () if has(&[Channel::Depth, Channel::Disparity]) => GBuffer::Depth,
             () => GBuffer::None,
         };
-        self.g_buffer(g_buffer).linear(has(&[Channel::Linear])).cost_map(has(&[Channel::Cost]))
+        let [linear, albedo, cost] = [Channel::Linear, Channel::Albedo, Channel::Cost].map(|channel| has(&[channel]));
+        self.g_buffer(g_buffer).linear(linear).albedo(albedo).cost_map(cost)
     }
 }
 
@@ -153,5 +159,6 @@ mod tests {
         assert_eq!(kept(&[Channel::Color]), (GBuffer::None, false, false));
         assert_eq!(kept(&[Channel::Disparity, Channel::Linear]), (GBuffer::Depth, true, false));
         assert_eq!(kept(&[Channel::Normal, Channel::Cost]), (GBuffer::Ids, false, true));
+        assert!(Options::default().channels(&[Channel::Albedo]).albedo);
     }
 }

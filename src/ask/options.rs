@@ -23,6 +23,9 @@ pub struct Options {
     pub count: bool,
     /// Keep the cost of each pixel, as [`View::cost`](crate::View::cost). Implies counting.
     pub cost_map: bool,
+    /// Keep what surfaces reflect, as [`View::albedo`](crate::View::albedo). Only light by paths
+    /// ([`Options::lighting`]) provides it.
+    pub albedo: bool,
     /// Data kept for each pixel besides its colour.
     pub g_buffer: GBuffer,
     /// Maximum number of reflections, refractions and transparent surfaces along a ray: 0 to [`MAX_BOUNCES`], 5 by
@@ -236,6 +239,7 @@ impl Options {
             visibility: Visibility::Rays,
             count: false,
             cost_map: false,
+            albedo: false,
             g_buffer: GBuffer::Ids,
             bounces: 5,
             linear: false,
@@ -272,6 +276,12 @@ impl Options {
     /// Sets whether each pixel's cost is kept as [`View::cost`](crate::View::cost).
     pub fn cost_map(mut self, cost_map: bool) -> Self {
         self.cost_map = cost_map;
+        self
+    }
+
+    /// Sets whether what surfaces reflect is kept as [`View::albedo`](crate::View::albedo).
+    pub fn albedo(mut self, albedo: bool) -> Self {
+        self.albedo = albedo;
         self
     }
 
@@ -412,8 +422,19 @@ impl Options {
         self
     }
 
-    /// Checks whether a frame's light can be denoised, if it is to be. `whole` says whether whole pictures are made.
-    pub(crate) fn check_denoise(&self, whole: bool) -> Result<(), Error> {
+    /// Returns whether frames keep light in parts.
+    pub(crate) fn keeps_parts(&self) -> bool {
+        self.denoise || (self.albedo && self.follows_paths())
+    }
+
+    /// Checks whether a frame's light can be kept in parts, if it is to be. `whole` says whether whole pictures are
+    /// made.
+    pub(crate) fn check_parts(&self, whole: bool) -> Result<(), Error> {
+        if self.albedo && self.follows_paths() && (self.adaptive.is_some() || !whole) {
+            let reason =
+                "it needs whole pictures without adaptive samples, which rows and encoded frames are not".into();
+            return Err(Error::Options { option: "albedo", reason });
+        }
         let reason = match self.denoise {
             false => return Ok(()),
             true if !self.follows_paths() => "only light by paths (lighting) is denoised",

@@ -393,7 +393,7 @@ mod tests {
             .collect();
         let mut names: Vec<&str> =
             top.split(&['{', ','][..]).filter_map(|part| Some(part.split_once(':')?.0.trim())).collect();
-        names.retain(|name| !["cost_map", "g_buffer", "linear"].contains(name));
+        names.retain(|name| !["albedo", "cost_map", "g_buffer", "linear"].contains(name));
         let mut settings: Vec<&str> = Setting::ALL.iter().map(|setting| setting.name).collect();
         names.sort_unstable();
         settings.sort_unstable();

@@ -166,6 +166,7 @@ impl ReadBack {
             depth: all(Part::Depth).map(depth).collect(),
             object: primitive.iter().map(object).collect(),
             primitive,
+            albedo: Vec::new(),
             cost: words(self.part(bytes, band, view, Part::Cost)),
         };
         Some(ViewRows { view, source, shadow_source, parts })

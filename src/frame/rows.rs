@@ -37,7 +37,7 @@ pub struct ViewRows {
     pub source: Vec<PixelSource>,
     /// How each pixel's visibility bits were determined, row-major. Empty except for `bracket`.
     pub shadow_source: Vec<ShadowSource>,
-    /// Light of each pixel in parts, row-major; empty unless it is denoised.
+    /// Light of each pixel in parts, row-major; empty unless it is denoised or the albedo is kept.
     pub(crate) parts: Vec<LightParts>,
 }
 
@@ -49,6 +49,7 @@ impl ViewRows {
             height: 0,
             rgba8: Vec::new(),
             linear: Vec::new(),
+            albedo: Vec::new(),
             depth: Vec::new(),
             primitive: Vec::new(),
             object: Vec::new(),
@@ -68,11 +69,17 @@ impl ViewRows {
         // Light in parts, denoised light, and the colours made of it.
         let denoised = (size_of::<LightParts>() + size_of::<Noisy>() + size_of::<[f32; 3]>()) as u64;
         // The sizes are bytes per pixel: 6 for colour and sources, then the requested parts.
-        let each: u64 =
-            [(true, 6), (depth, 4), (ids, 8), (options.linear, 16), (options.cost_map, 4), (options.denoise, denoised)]
-                .map(|(wanted, bytes)| if wanted { bytes } else { 0 })
-                .iter()
-                .sum();
+        let each: u64 = [
+            (true, 6),
+            (depth, 4),
+            (ids, 8),
+            (options.linear, 16),
+            (options.cost_map, 4),
+            (options.keeps_parts(), denoised),
+        ]
+        .map(|(wanted, bytes)| if wanted { bytes } else { 0 })
+        .iter()
+        .sum();
         let views = eyes.sources.len();
         let needed = pixels.saturating_mul(each).saturating_mul(views as u64);
         let refused = || Error::Limit {
@@ -87,7 +94,7 @@ impl ViewRows {
         }
         let room = |_| {
             let mut rows = Self::new(width);
-            rows.reserve(pixels as usize, [depth, ids, options.linear, options.cost_map, options.denoise])
+            rows.reserve(pixels as usize, [depth, ids, options.linear, options.cost_map, options.keeps_parts()])
                 .map_err(|_| refused())?;
             Ok(rows)
         };
@@ -133,6 +140,7 @@ impl ViewRows {
             height: view.height - rows,
             rgba8: below(&mut view.rgba8, place),
             linear: below(&mut view.linear, place),
+            albedo: below(&mut view.albedo, place),
             depth: below(&mut view.depth, place),
             primitive: below(&mut view.primitive, place),
             object: below(&mut view.object, place),

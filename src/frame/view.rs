@@ -17,6 +17,10 @@ pub struct View {
     /// Linear RGB radiance before [`Options::exposure`](crate::Options::exposure), unclamped, alpha 1. Empty unless
     /// [`Options::linear`](crate::Options::linear) is set.
     pub linear: Vec<[f32; 4]>,
+    /// Share of light that surfaces reflect, linear RGB, averaged over the pixel's samples: diffuse reflection and
+    /// highlights; 1 for glass, 0 for sky. Empty unless [`Options::albedo`](crate::Options::albedo) is set
+    /// and light follows paths.
+    pub albedo: Vec<[f32; 3]>,
     /// Depth `Z` along the view direction (not along the ray) in world units, `f32::INFINITY` for misses.
     pub depth: Vec<f32>,
     /// Id of the primitive that was hit, or [`MISS`].

@@ -177,6 +177,8 @@ pub(crate) struct LightParts {
     pub(crate) point_z: f32,
     pub(crate) coverage: f32,
     pub(crate) lobe_width: f32,
+    pub(crate) reflectance: [f32; 3],
+    pub(crate) _pad: u32,
 }
 
 /// Octahedral normal of a pixel that shows no surface.

@@ -40,6 +40,7 @@ impl Batch {
     ///
     /// Channels:
     /// - `R`, `G`, `B`: linear light with Rec. 709's primaries ([`View::linear`]);
+    /// - `albedo.R`, `albedo.G`, `albedo.B`, if the pair has them ([`View::albedo`]), for denoisers of others;
     /// - `Z`: depth along the view direction in world units, infinite for sky;
     /// - `id.primitive`, `id.object`: 32-bit whole numbers, 0 for sky, else the id + 1;
     /// - with a ground truth of the pair, also `id.material`, `disparity` in pixels and `distance` along the ray;
@@ -116,6 +117,9 @@ fn file_channels(path: &Path, view: &View, channels: Channels<'_>, color: ExrCol
     for &channel in Channel::ALL {
         let is_of_view = channel.maker() == Maker::View;
         if channel.exr_names().is_empty() || !(is_of_view || channels.has_truth()) {
+            continue;
+        }
+        if channel == Channel::Albedo && view.albedo.is_empty() {
             continue;
         }
         let components = samples(&channels.get(channel)?, color);

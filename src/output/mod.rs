@@ -138,6 +138,7 @@ mod tests {
                 .collect(),
             depth: vec![f32::INFINITY; colors.len()],
             primitive: vec![MISS; colors.len()],
+            albedo: Vec::new(),
             cost: Vec::new(),
             object: vec![MISS; colors.len()],
         }

@@ -111,7 +111,7 @@ impl<C: Clone + Into<Rig>> FrameBuilder<'_, C> {
     /// As [`FrameBuilder::read`], [`Error::Rig`] for toed-in eyes, and any error of `on_rows`, which ends the frame.
     pub async fn rows(self, on_rows: &mut OnRows<'_>) -> Result<Views, Error> {
         let Self { renderer, scene, cameras, options, mut progress } = self;
-        options.check_denoise(false)?;
+        options.check_parts(false)?;
         let eyes = cameras.clone().into().eyes(scene.origin)?;
         let done = renderer.sampled(scene, &eyes, &options, true, &mut *progress, on_rows).await?;
         let nothing = (0..eyes.sources.len()).map(|_| ViewRows::new(eyes.pose.size[0])).collect();
@@ -194,7 +194,7 @@ impl FrameBuilder<'_, StereoCamera> {
     /// As [`FrameBuilder::read`].
     pub async fn trace(self) -> Result<Statistics, Error> {
         let Self { renderer, scene, cameras: camera, options, mut progress } = self;
-        options.check_denoise(true)?;
+        options.check_parts(true)?;
         let pose = camera.pose_in(scene.origin)?;
         let Some([first, second]) = renderer.toed_in(&pose, &options) else {
             let done =
@@ -220,14 +220,14 @@ impl Renderer {
         options: &Options,
         progress: &mut OnProgress<'_>,
     ) -> Result<(Done, Vec<ViewRows>), Error> {
-        options.check_denoise(true)?;
+        options.check_parts(true)?;
         let mut views = ViewRows::with_room(eyes, options)?;
         let mut keep = |rows: Rows| {
             views.iter_mut().zip(rows.views).for_each(|(view, rows)| view.append(rows));
             Ok(())
         };
         let done = self.sampled(scene, eyes, options, true, progress, &mut keep).await?;
-        self.denoise(&mut views, options).await?;
+        self.use_parts(&mut views, options).await?;
         Ok((done, views))
     }
 }

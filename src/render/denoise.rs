@@ -25,10 +25,16 @@ const STRIP: usize = 1 << 21;
 const MOST_VARIANCE: f32 = 1e30;
 
 impl Renderer {
-    /// Replaces the colours of pictures by those of denoised light.
-    pub(super) async fn denoise(&self, views: &mut [ViewRows], options: &Options) -> Result<(), Error> {
+    /// Uses light in parts: replaces the colours of pictures by those of denoised light, and keeps the albedo.
+    pub(super) async fn use_parts(&self, views: &mut [ViewRows], options: &Options) -> Result<(), Error> {
         for rows in views.iter_mut().filter(|rows| !rows.parts.is_empty()) {
             let parts = std::mem::take(&mut rows.parts);
+            if options.albedo {
+                rows.view.albedo = parts.iter().map(LightParts::whole_albedo).collect();
+            }
+            if !options.denoise {
+                continue;
+            }
             let size = [rows.view.width as usize, rows.view.height as usize];
             let smooth = self.smoothed(&parts, size, STRIP).await?;
             let linear: Vec<[f32; 3]> = parts.iter().zip(&smooth).map(|(parts, light)| parts.lit_by(light)).collect();
@@ -122,6 +128,11 @@ impl LightParts {
     fn guide(&self) -> Guide {
         let point = [self.point_x, self.point_y, self.point_z];
         Guide { point, normal: self.normal, lobe_width: self.lobe_width, _pad: [0; 3] }
+    }
+
+    /// Returns the share of light that the pixel's surfaces reflect in any way.
+    fn whole_albedo(&self) -> [f32; 3] {
+        std::array::from_fn(|k| (self.albedo[k] + self.reflectance[k]).min(1.0))
     }
 
     /// Returns the pixel's colour under this light.

@@ -77,7 +77,7 @@ impl Renderer {
     ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
         scene.belongs_to(&self.gpu)?;
         options.check()?;
-        options.check_denoise(false)?;
+        options.check_parts(false)?;
         if options.samples_sky() {
             scene.weigh_sky().await?;
         }

@@ -285,7 +285,7 @@ impl Renderer {
         };
         let mut fitting = shape(self.band_pixels / rays.div_ceil(6));
         while let Some(fewer) = fitting.bands.fewer_rows() {
-            let read_back = ReadBack::new(fitting, [options.linear, options.denoise], true).times_offset();
+            let read_back = ReadBack::new(fitting, [options.linear, options.keeps_parts()], true).times_offset();
             if fitting.can_be_bound(&self.gpu, used) && read_back <= self.gpu.limits.max_buffer_size {
                 break;
             }
@@ -316,7 +316,7 @@ impl Renderer {
             occlusion_rays,
             sky_light: options.sky_rays.is_some(),
             paths: options.follows_paths(),
-            parts: options.denoise,
+            parts: options.keeps_parts(),
             shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
             casts: counting.casts || !(soft || options.follows_paths()),
             shadow_buffer: scene.casters().reading(options),

@@ -209,6 +209,7 @@ mod tests {
             depth: vec![2.0; values.len()],
             primitive: Vec::new(),
             object: Vec::new(),
+            albedo: Vec::new(),
             cost: vec![1; values.len()],
         }
     }

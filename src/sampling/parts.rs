@@ -20,6 +20,7 @@ pub(super) struct PartSums {
     point: Vec3,
     normal: Vec3,
     lobe_width: f32,
+    reflectance: Vec3,
     /// Weight of the samples that show a surface.
     surface: f32,
     weights: Vec2,
@@ -45,6 +46,7 @@ impl PartSums {
         self.point += weight * Vec3::new(parts.point_x, parts.point_y, parts.point_z);
         self.normal += weight * from_octahedral(parts.normal);
         self.lobe_width += weight * parts.lobe_width;
+        self.reflectance += weight * Vec3::from(parts.reflectance);
         self.surface += weight;
         let variances = Vec2::new(parts.diffuse_variance, parts.glossy_variance);
         let weights = Vec2::select(variances.cmpge(Vec2::ZERO), Vec2::splat(weight), Vec2::ZERO);
@@ -90,6 +92,8 @@ impl PartSums {
             point_z,
             coverage: self.surface,
             lobe_width: self.lobe_width / self.surface,
+            reflectance: self.reflectance.to_array(),
+            _pad: 0,
         }
     }
 }

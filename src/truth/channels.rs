@@ -95,6 +95,10 @@ impl<'a> Channels<'a> {
         Ok(match channel {
             Channel::Color => Values::Color(&view.rgba8),
             Channel::Linear => Values::Linear(&view.linear),
+            Channel::Albedo if view.albedo.is_empty() => {
+                return Err(missing(channel, "only light by paths provides it, if Options::channels names it"));
+            }
+            Channel::Albedo => Values::Vectors(&view.albedo),
             Channel::Depth => Values::Floats(Cow::Borrowed(&view.depth)),
             Channel::Primitive => Values::Ids(&view.primitive),
             Channel::Object => Values::Ids(&view.object),

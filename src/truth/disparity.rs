@@ -178,6 +178,7 @@ mod tests {
             depth: disparities.iter().map(|&d| depth_of(d)).collect(),
             primitive: vec![MISS; count],
             object: vec![MISS; count],
+            albedo: Vec::new(),
             cost: Vec::new(),
         }
     }

@@ -147,6 +147,7 @@ mod tests {
             linear: vec![[0.127, 0.127, 0.127, 1.0]; pixels],
             depth: vec![5.0; pixels],
             primitive: vec![0; pixels],
+            albedo: Vec::new(),
             cost: Vec::new(),
             object: vec![0; pixels],
         };

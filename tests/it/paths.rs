@@ -4,8 +4,8 @@ use crate::common;
 
 use common::renderer;
 use stereotrace::{
-    Finish, Light, Lighting, Material, Mesh, Method, Options, Penumbra, Principled, Renderer, Scene, Sky, SkyMap,
-    Sphere, StereoCamera, StereoPair, Update, View, blocking::Wait, glam::Vec3,
+    Channel, Finish, Light, Lighting, Material, Mesh, Method, Options, Penumbra, Principled, Renderer, Scene, Sky,
+    SkyMap, Sphere, StereoCamera, StereoPair, Update, View, blocking::Wait, glam::Vec3,
 };
 
 const SIDE: u32 = 16;
@@ -489,6 +489,63 @@ fn corner() -> Scene {
     let ball = scene.add_material(grey(0.7));
     scene.add_sphere(Sphere::new(Vec3::new(-0.5, 0.5, 0.0), 0.5, ball)).unwrap();
     scene
+}
+
+/// Tests the albedo of a diffuse floor and wall, a metal, glass and sky, alone and averaged over samples.
+#[test]
+fn the_albedo_is_what_surfaces_reflect() {
+    let mut renderer = renderer();
+    let mut scene = Scene::new();
+    let floor = Vec3::new(0.6, 0.5, 0.4);
+    square(&mut scene, Vec3::ZERO, [2.0 * Vec3::X, 2.0 * Vec3::Z], Material::new(floor));
+    let gold = Vec3::new(1.0, 0.77, 0.34);
+    square(
+        &mut scene,
+        Vec3::new(-1.0, 0.01, 0.0),
+        [Vec3::X, 2.0 * Vec3::Z],
+        grey(0.0).principled(Principled::new(gold, 1.0, 0.0)),
+    );
+    let ball = scene.add_material(glass());
+    scene.add_sphere(Sphere::new(Vec3::new(1.0, 0.5, 0.0), 0.3, ball)).unwrap();
+    scene.sky = Sky::Constant(Vec3::ONE);
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let camera = StereoCamera::look_at(Vec3::new(0.0, 6.0, 0.0), Vec3::ZERO)
+        .up(Vec3::NEG_Z)
+        .size(40, 30)
+        .vertical_fov_degrees(60.0)
+        .interaxial(0.05);
+    let mut pair = |options: Options| renderer.pair(&uploaded, &camera).options(&options.albedo(true)).read().wait();
+    for samples in [1, 4] {
+        for method in [Method::Naive, Method::BRACKET] {
+            let pair = pair(by_paths(4, 1).method(method).samples(samples).jitter(false)).unwrap();
+            for view in [&pair.left, &pair.right] {
+                let at = |x: f32, z: f32| {
+                    let scale = 30.0 / (2.0 * 6.0 * 30f32.to_radians().tan());
+                    let [column, row] = [20.0 + x * scale, 15.0 + z * scale].map(|place| place as usize);
+                    Vec3::from_array(view.albedo[row * 40 + column])
+                };
+                let near = |found: Vec3, expected: Vec3| {
+                    assert!((found - expected).abs().max_element() < 2e-3, "{method}: {found} is not {expected}");
+                };
+                near(at(1.0, 1.5), floor);
+                near(at(-1.0, 0.0), gold);
+                near(at(1.0, 0.0), Vec3::ONE);
+                near(at(0.0, 2.9), Vec3::ZERO);
+            }
+        }
+    }
+    let direct = pair(Options::new(Method::Naive).linear(true)).unwrap();
+    assert!(direct.left.albedo.is_empty());
+    let missing = direct.left_channels(None).get(Channel::Albedo).unwrap_err().to_string();
+    assert!(missing.contains("only light by paths"), "{missing}");
+    let options = by_paths(4, 1).albedo(true);
+    let rows = renderer.pair(&uploaded, &camera).options(&options).rows(&mut |_| Ok(())).wait();
+    assert!(rows.unwrap_err().to_string().contains("albedo: it needs whole pictures"));
+    // The pictures are those without the albedo.
+    let without = rendered(&mut renderer, &scene, &camera, &by_paths(4, 1));
+    let with = rendered(&mut renderer, &scene, &camera, &options);
+    assert!(without.left.albedo.is_empty() && without.left.linear == with.left.linear);
+    assert!(without.right.linear == with.right.linear && with.right.albedo.len() == 1200);
 }
 
 /// Tests that denoising brings both eyes nearer to the converged picture, with one and with several samples per pixel.

@@ -19,8 +19,8 @@ export type PackingName =
 
 /** An output of a view: one of `channels()`. Pairs of this package have no ground truth. */
 export type ChannelName =
-    | "color" | "linear" | "depth" | "disparity" | "primitive" | "object" | "source" | "shadow_source" | "cost"
-    | (string & {});
+    | "color" | "linear" | "albedo" | "depth" | "disparity" | "primitive" | "object" | "source" | "shadow_source"
+    | "cost" | (string & {});
 
 /**
  * Two eyes that look through one screen rectangle (off-axis projection). The world is right-handed with y up. Lengths

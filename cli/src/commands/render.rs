@@ -8,7 +8,7 @@ use std::{
 };
 
 use clap::Args;
-use stereotrace::{GroundTruth, Method, StereoPair, blocking::Wait, metrics::compare, output::Batch};
+use stereotrace::{GroundTruth, Lighting, Method, StereoPair, blocking::Wait, metrics::compare, output::Batch};
 
 use super::report::{Report, WallTimes};
 use crate::{
@@ -96,7 +96,8 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
     let mut stage = arguments.subject.open(purpose, global)?;
     let begin = Instant::now();
     let is_open_exr = matches!(target, Target::File(file) if is_open_exr(file));
-    let options = stage.options.clone().cost_map(arguments.dump).linear(is_open_exr);
+    let has_albedo = is_open_exr && stage.options.lighting != Lighting::Direct && stage.options.adaptive.is_none();
+    let options = stage.options.clone().cost_map(arguments.dump).linear(is_open_exr).albedo(has_albedo);
     let mut progress = Progress::new(global, 1);
     let pair = stage.render(stage.camera, options, &mut progress);
     progress.clear();

@@ -13,7 +13,7 @@ use super::{
     },
 };
 use crate::{
-    Builtin, Channel, Error, Maker, Method, Options,
+    Builtin, Channel, Error, Lighting, Maker, Method, Options,
     dataset::draws::{Drawn, PLACES, Span},
 };
 
@@ -441,6 +441,9 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
     }
     if channels().any(|channel| channel == Channel::ShadowSource) && !is_bracket {
         return fault("outputs", format!("shadow_source needs a bracket method, not {method}"));
+    }
+    if channels().any(|channel| channel == Channel::Albedo) && spec.options.lighting == Lighting::Direct {
+        return fault("outputs", "albedo needs light by paths; set render.lighting");
     }
     let layout = spec.format.layout();
     // Cameras with one cx for both eyes are parallel, unless a screen distance is given.

@@ -113,7 +113,9 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             point_y,
             point_z,
             coverage,
-            lobe_width
+            lobe_width,
+            reflectance,
+            _pad
         }
     );
     let smooth = parse(&SMOOTH_LIGHT_ONCE, &Variant::PIXELS);
