@@ -59,7 +59,7 @@ fn out_is_a_picture_or_a_folder() {
 fn files_of_physically_based_materials_are_shown_by_paths() {
     let folder = Folder::new("physical");
     folder.write("gold.mtl", "newmtl gold\nKd 0.9 0.7 0.3\nPr 0.3\nPm 1\n");
-    let scene = folder.write("gold.obj", &format!("mtllib gold.mtl\nusemtl gold\n{TRIANGLE}"));
+    let scene = folder.write("gold.obj", format!("mtllib gold.mtl\nusemtl gold\n{TRIANGLE}"));
     let [scene, out] = [scene, folder.file("gold.png")].map(|path| path.to_str().unwrap().to_owned());
     let report = |more: &[&str]| -> Value {
         let command = [&SMALL[..], &[&scene, "--out", &out, "--json"], more].concat();

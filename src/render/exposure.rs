@@ -61,7 +61,7 @@ fn stops_for(mut brightness: Vec<f64>) -> f32 {
     brightness.retain(|value| value.is_finite());
     let count = brightness.len() as f64;
     let mean = brightness.iter().sum::<f64>() / count;
-    if !(mean > 0.0) {
+    if brightness.is_empty() || mean <= 0.0 {
         return 0.0;
     }
     let logarithms = brightness.iter().map(|value| value.max(LEAST * mean).log2());

@@ -227,6 +227,7 @@ impl Scene {
     }
 
     /// Multiplies the emission of all materials.
+    #[cfg(feature = "gltf")]
     pub(crate) fn dim_emission(&mut self, factor: f32) {
         for material in &mut self.materials {
             material.emission *= factor;

@@ -50,6 +50,7 @@ pub(crate) enum Purpose {
     /// Pictures to look at: light by paths if materials are physically based, and an exposure that suits the scene.
     Pictures,
     /// A window: direct light, since frames must be quick, and an exposure that suits the scene.
+    #[cfg_attr(not(feature = "view"), expect(dead_code, reason = "a feature opens windows"))]
     Window,
     /// Measurements and data: direct light, and no change of exposure.
     Data,
