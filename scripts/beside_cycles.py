@@ -196,15 +196,16 @@ def read(path: Path, part: int = 0) -> np.ndarray:
     import OpenEXR
 
     channels = OpenEXR.File(str(path)).channels(part)
-    for name, channel in channels.items():
-        if name.split(".")[-1] in ("RGB", "RGBA") and "albedo" not in name and "N" not in name:
-            return channel.pixels[..., :3].astype(float)
-    raise ValueError(f"{path}: no colour among {list(channels)}")
+    return channels["RGB" if "RGB" in channels else "RGBA"].pixels[..., :3].astype(float)
 
 
 def srgb(light: np.ndarray) -> np.ndarray:
     light = np.clip(light, 0, 1)
     return np.where(light < 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+
+
+def rms(picture: np.ndarray, other: np.ndarray) -> float:
+    return np.sqrt(((srgb(picture) - srgb(other)) ** 2).mean())
 
 
 def timed(command: list) -> float:
@@ -261,15 +262,15 @@ def main() -> None:
     ours, _ = by_stereotrace(arguments.converged, "--denoise=false", "--seed", "7")
     theirs, _ = by_cycles("converged", arguments.converged, False)
     for eye, a, b in zip(EYES, ours, theirs):
-        low = [np.minimum(picture, 1).mean() for picture in (a, b)]
-        error = np.sqrt(((srgb(a) - srgb(b)) ** 2).mean())
-        print(f"{eye} eye, converged: mean {low[0]:.4f}, {low[1]:.4f} by Cycles ({low[0] / low[1] - 1:+.2%}), rms {error:.4f}")
+        own, cycles = (np.minimum(picture, 1).mean() for picture in (a, b))
+        means = f"mean {own:.4f}, {cycles:.4f} by Cycles ({own / cycles - 1:+.2%})"
+        print(f"{eye} eye, converged: {means}, rms {rms(a, b):.4f}")
     rows = [("Cycles, 32 samples, denoised", theirs, by_cycles("32", 32, True))]
     for paths in map(int, arguments.paths.split(",")):
         rows.append((f"stereotrace, {paths} paths, denoised", ours, by_stereotrace(paths, "--denoise")))
     print("| picture | CPU s a pair | rms, left | rms, right |\n|---|---|---|---|")
     for name, converged, (pictures, cost) in rows:
-        errors = [np.sqrt(((srgb(a) - srgb(b)) ** 2).mean()) for a, b in zip(pictures, converged)]
+        errors = [rms(a, b) for a, b in zip(pictures, converged)]
         print(f"| {name} | {cost:.1f} | {errors[0]:.4f} | {errors[1]:.4f} |")
 
 

@@ -6,7 +6,7 @@
 // reads   noisy_light, guides  [height * width]
 // writes  smooth_light         [height * width]
 
-//! use display, frame, noisy, octahedral, pixels
+//! use frame, noisy, octahedral, pixels
 
 // Weights of a cubic B-spline at distances 0, 1 and 2.
 const SPLINE: array<f32, 3> = array(0.375, 0.25, 0.0625);
@@ -23,7 +23,7 @@ fn smooth_light_once(@builtin(global_invocation_id) id: vec3u) {
     let guide = guides[index];
     if guide.normal == NO_NORMAL { smooth_light[index] = light; return; }
     let normal = from_octahedral(guide.normal);
-    let own = vec2f(luminance(light.diffuse), luminance(light.glossy));
+    let own = brightness_of(light);
     let smoothness = clamp(guide.lobe_width / SMOOTH_WIDTH, 0.0, 1.0);
     let deviations = vec2f(DEVIATIONS, mix(NARROW_DEVIATIONS, DEVIATIONS, smoothness));
     let variances = variances_around(id.xy);
@@ -35,9 +35,8 @@ fn smooth_light_once(@builtin(global_invocation_id) id: vec3u) {
             let other = index_beside(id.xy, vec2i(x, y) * i32(frame.paths.ray));
             if other == NOWHERE { continue; }
             let there = noisy_light[other];
-            let others = max(vec2f(there.diffuse_variance, there.glossy_variance), vec2f(0.0));
-            let tolerance = deviations * sqrt(variances + others) + 1e-9;
-            let off = abs(vec2f(luminance(there.diffuse), luminance(there.glossy)) - own) / tolerance;
+            let tolerance = deviations * sqrt(variances + variances_of(there)) + 1e-9;
+            let off = abs(brightness_of(there) - own) / tolerance;
             let spline = SPLINE[abs(x)] * SPLINE[abs(y)];
             let weight = spline * alike(guide, normal, guides[other]) * reflected_kinds(there) * exp(-off);
             diffuse += vec4f(weight.x * there.diffuse, weight.x * weight.x * there.diffuse_variance);
@@ -68,7 +67,7 @@ fn variances_around(pixel: vec2u) -> vec2f {
             let place = clamp(vec2i(pixel) + vec2i(x, y), vec2i(0), size - 1);
             let there = noisy_light[u32(place.y) * frame.band.size.x + u32(place.x)];
             let weight = 1.0 / f32((1 + abs(x)) * (1 + abs(y)));
-            sum += weight * max(vec2f(there.diffuse_variance, there.glossy_variance), vec2f(0.0));
+            sum += weight * variances_of(there);
         }
     }
     return sum / 4.0;

@@ -6,7 +6,7 @@
 // reads   noisy_light, guides  [height * width]
 // writes  smooth_light         [height * width]
 
-//! use display, noisy, octahedral, pixels
+//! use noisy, octahedral, pixels
 
 const REACH: i32 = 3;
 // Weights of all pixels around a pixel below which it is bounded.
@@ -34,10 +34,12 @@ fn smooth_variances(@builtin(global_invocation_id) id: vec3u) {
     }
     // A pixel's weight for itself is 1, or 0 for light that it does not reflect.
     let kinds = reflected_kinds(light);
-    let is_narrow = vec2<bool>(false, guide.lobe_width < SMOOTH_WIDTH);
-    let scale = select(vec2f(1.0), bound_by_chance(id.xy, light), is_narrow | (weights < vec2f(FEW)));
-    light.diffuse *= scale.x;
-    light.glossy *= scale.y;
+    let is_bounded = vec2<bool>(false, guide.lobe_width < SMOOTH_WIDTH) | (weights < vec2f(FEW));
+    if any(is_bounded) {
+        let scale = select(vec2f(1.0), bound_by_chance(id.xy, light), is_bounded);
+        light.diffuse *= scale.x;
+        light.glossy *= scale.y;
+    }
     let means = sum / max(weights, vec2f(1.0));
     if kinds.x > 0.0 { light.diffuse_variance = max(light.diffuse_variance, means.x); }
     if kinds.y > 0.0 { light.glossy_variance = max(light.glossy_variance, means.y); }
@@ -57,12 +59,11 @@ fn bound_by_chance(pixel: vec2u, light: Noisy) -> vec2f {
             if other == NOWHERE || (x == 0 && y == 0) { continue; }
             if guides[other].normal == NO_NORMAL { continue; }
             let there = noisy_light[other];
-            let brightness = vec2f(luminance(there.diffuse), luminance(there.glossy));
-            limit = max(limit, select(vec2f(-1.0), brightness, reflected_kinds(there) > vec2f(0.0)));
+            limit = max(limit, select(vec2f(-1.0), brightness_of(there), reflected_kinds(there) > vec2f(0.0)));
         }
     }
-    let own = vec2f(luminance(light.diffuse), luminance(light.glossy));
-    let chance = BOUND_DEVIATIONS * sqrt(max(vec2f(light.diffuse_variance, light.glossy_variance), vec2f(0.0)));
+    let own = brightness_of(light);
+    let chance = BOUND_DEVIATIONS * sqrt(variances_of(light));
     let is_over = (limit >= vec2f(0.0)) & (own > limit) & (own - limit <= chance);
     return select(vec2f(1.0), limit / max(own, vec2f(1e-30)), is_over);
 }

@@ -1,6 +1,6 @@
 // Noisy light of a strip of a picture, and the surfaces that its pixels show, for denoising.
 
-//! use frame, octahedral
+//! use display, frame, octahedral
 
 struct Noisy {
     diffuse: vec3f,
@@ -37,6 +37,15 @@ fn index_beside(pixel: vec2u, offset: vec2i) -> u32 {
     let place = vec2i(pixel) + offset;
     if any(place < vec2i(0)) || any(place >= vec2i(frame.band.size)) { return NOWHERE; }
     return u32(place.y) * frame.band.size.x + u32(place.x);
+}
+
+// Pairs below are of diffuse and of glossy light.
+
+fn brightness_of(light: Noisy) -> vec2f { return vec2f(luminance(light.diffuse), luminance(light.glossy)); }
+
+// Returns the variances, 0 for light that the surface does not reflect.
+fn variances_of(light: Noisy) -> vec2f {
+    return max(vec2f(light.diffuse_variance, light.glossy_variance), vec2f(0.0));
 }
 
 // Returns 1 for the kinds of light, diffuse and glossy, that a pixel's surface reflects, and 0 for the others.

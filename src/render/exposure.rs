@@ -1,6 +1,6 @@
 //! Chooses an exposure by what the eyes see.
 
-use crate::{Error, GBuffer, Lighting, Method, Options, Renderer, StereoCamera, UploadedScene, srgb::BRIGHTNESS};
+use crate::{Channel, Error, Lighting, Method, Options, Renderer, StereoCamera, UploadedScene, srgb::BRIGHTNESS};
 
 /// Width of the picture that is measured, in pixels.
 const WIDTH: u32 = 96;
@@ -45,7 +45,7 @@ impl Renderer {
         options: &Options,
     ) -> Result<f32, Error> {
         let mut options = options.clone().method(Method::Naive).samples(1).adaptive(None).denoise(false).count(false);
-        options = options.channels(&[]).linear(true).g_buffer(GBuffer::None).cost_map(false).shadow_buffer(None);
+        options = options.channels(&[Channel::Linear]).shadow_buffer(None);
         if let Lighting::Paths { bounces, samples } = options.lighting {
             options.lighting = Lighting::Paths { bounces, samples: samples.min(PATHS) };
         }

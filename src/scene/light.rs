@@ -169,18 +169,13 @@ impl Light {
             true => Ok(()),
             false => Err(format!("{what} is {length}; it must be finite and above 0")),
         };
-        let (is_far, is_round) = match self.shape {
-            LightShape::Point | LightShape::Sphere { .. } => (false, true),
-            LightShape::Rectangle { .. } => (false, false),
-            LightShape::Directional { .. } => (true, false),
-        };
-        match self.falloff {
-            Falloff::None => {}
-            Falloff::Quadratic { .. } if is_far => return Err("a directional light has no falloff".to_owned()),
-            Falloff::Quadratic { range } => range.map_or(Ok(()), |range| above_zero("range", range))?,
+        match (self.falloff, self.shape) {
+            (Falloff::None, _) => {}
+            (_, LightShape::Directional { .. }) => return Err("a directional light has no falloff".to_owned()),
+            (Falloff::Quadratic { range }, _) => range.map_or(Ok(()), |range| above_zero("range", range))?,
         }
         if let Some(Cone { direction, inner, outer }) = self.cone {
-            if !is_round {
+            if !matches!(self.shape, LightShape::Point | LightShape::Sphere { .. }) {
                 return Err("only points and spheres have a cone".to_owned());
             }
             above_zero("the length of the cone's direction", direction.length())?;

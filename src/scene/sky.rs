@@ -98,9 +98,13 @@ impl SkyMap {
                 reason: format!("it can't be turned by {degrees} degrees"),
             });
         }
-        let columns = ((degrees / 360.0).rem_euclid(1.0) * f64::from(self.width)).round() as usize;
+        let columns =
+            ((degrees / 360.0).rem_euclid(1.0) * f64::from(self.width)).round() as usize % self.width as usize;
+        if columns == 0 {
+            return Ok(self.clone());
+        }
         let mut pixels = self.pixels.to_vec();
-        pixels.chunks_mut(self.width as usize).for_each(|row| row.rotate_right(columns % row.len()));
+        pixels.chunks_mut(self.width as usize).for_each(|row| row.rotate_right(columns));
         Ok(Self { pixels: Arc::new(pixels), ..*self })
     }
 
@@ -109,6 +113,9 @@ impl SkyMap {
     /// # Errors
     /// [`Error::Scene`] for a factor that is negative or not finite, or that makes a colour infinite.
     pub fn scaled(&self, factor: f32) -> Result<Self, Error> {
+        if factor == 1.0 {
+            return Ok(self.clone());
+        }
         let pixels = self.pixels.iter().map(|pixel| *pixel * factor).collect();
         Self::new(self.width, self.height, pixels)
     }

@@ -94,12 +94,9 @@ impl LightArguments {
             Some(SkyArgument::Procedural) => Sky::Map(SkyMap::procedural(1024)?),
             Some(SkyArgument::File(file)) => Sky::Map(SkyMap::open_within(file, &limits.gpu(gpu))?),
         };
-        let gain = self.sky_gain.unwrap_or(1.0);
+        let (turn, gain) = (self.sky_turn.unwrap_or(0.0), self.sky_gain.unwrap_or(1.0));
         Ok(match sky {
-            Sky::Map(map) => {
-                let map = if let Some(degrees) = self.sky_turn { map.turned(degrees)? } else { map };
-                Sky::Map(if self.sky_gain.is_some() { map.scaled(gain)? } else { map })
-            }
+            Sky::Map(map) => Sky::Map(map.turned(turn)?.scaled(gain)?),
             Sky::Constant(light) => Sky::Constant(light * gain),
             Sky::Gradient { nadir, zenith } => Sky::Gradient { nadir: nadir * gain, zenith: zenith * gain },
             _ => sky,

@@ -140,8 +140,17 @@ impl Subject {
         if self.picture.chooses_exposure(purpose != Purpose::Data && self.is_flattered()) {
             options.exposure = renderer.suggest_exposure(&uploaded, &camera, &options).wait()?;
         }
-        let is_by_paths_by_default = by_paths;
-        Ok(Stage { name: self.name(), scene, camera, options, is_by_paths_by_default, renderer, uploaded, read, build })
+        Ok(Stage {
+            name: self.name(),
+            scene,
+            camera,
+            options,
+            is_by_paths_by_default: by_paths,
+            renderer,
+            uploaded,
+            read,
+            build,
+        })
     }
 
     /// Returns whether paths of light show more of a scene's materials than direct light does, and no option decides.
