@@ -34,6 +34,7 @@
 //! | set up the eyes | [`StereoCamera`], or [`Rig`] for more than two views |
 //! | choose a method or more samples | [`Method`], [`Options`] |
 //! | write anaglyphs and other files | [`output`] |
+//! | show pictures while paths refine them | [`Passes`] |
 //! | get disparity, occlusion and normals | [`GroundTruth`], [`Channel`] |
 //! | compare pictures | [`metrics`] |
 //! | trace my own rays | [`Ray`], [`Renderer::closest_hits`] |
@@ -166,7 +167,7 @@ pub use methods::auto::Choice;
 pub use render::cast::{Cast, Ray, RayHit};
 pub use render::pair::{Statistics, StereoPair};
 pub use render::{Encoded, EncodedView};
-pub use render::{FrameBuilder, Renderer};
+pub use render::{FrameBuilder, Passes, Renderer};
 pub use render::{RigView, Views};
 pub use render::{Update, UploadInfo, UploadedScene};
 pub use scene::builtin::Builtin;

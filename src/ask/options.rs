@@ -65,6 +65,17 @@ pub struct Options {
     pub denoise: bool,
     /// Answer shadow queries to point lights by shadow-buffers; with `None`, the default, shadow rays are traced.
     pub shadow_buffer: Option<ShadowBuffer>,
+    /// Which of several passes the frame is ([`Passes`](crate::Passes)).
+    pub(crate) pass: Pass,
+}
+
+/// One of several passes over the same views. Each pass has random numbers of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Pass {
+    /// Number of passes before.
+    pub(crate) number: u32,
+    /// Number of paths per sample in the passes before.
+    pub(crate) first_path: u32,
 }
 
 /// Light that reaches surfaces by other surfaces.
@@ -258,6 +269,7 @@ impl Options {
             lighting: Lighting::Direct,
             denoise: false,
             shadow_buffer: None,
+            pass: Pass::default(),
         }
     }
 
@@ -446,6 +458,17 @@ impl Options {
             true => return Ok(()),
         };
         Err(Error::Options { option: "denoise", reason: reason.into() })
+    }
+
+    /// Returns the seed of the jitter, which differs from pass to pass.
+    pub(crate) fn jitter_seed(&self) -> u32 {
+        self.seed.wrapping_add(self.pass.number)
+    }
+
+    /// Returns the seed of a view's light. Paths go on with their sequence from pass to pass, by one seed.
+    pub(crate) fn light_seed(&self, view: usize) -> u32 {
+        let of_pass = if self.follows_paths() { 0 } else { self.pass.number << 16 };
+        self.seed.wrapping_add(of_pass).wrapping_add(if self.noise_by_view { view as u32 } else { 0 })
     }
 
     pub(crate) fn follows_paths(&self) -> bool {

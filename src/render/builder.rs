@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{encode::Encoded, frame::Done, renderer::Renderer};
+use super::{encode::Encoded, frame::Done, passes::Passes, renderer::Renderer};
 use crate::{
     Error, Method, OnProgress, Options, Progress, Rig, Statistics, StereoCamera, StereoPair, UploadedScene, Views,
     frame::{OnRows, Rows, ViewRows},
@@ -163,9 +163,25 @@ impl FrameBuilder<'_, Rig> {
     /// [`Gpu`](crate::Gpu); [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     /// [`Gpu`](crate::Gpu), [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn read(self) -> Result<Views, Error> {
-        let Self { renderer, scene, cameras, options, mut progress } = self;
-        let eyes = cameras.eyes(scene.origin)?;
-        let (done, views) = renderer.whole_frame(scene, &eyes, &options, &mut *progress).await?;
+        self.views(None).await
+    }
+
+    /// Renders one more pass, and returns the mean of all passes.
+    ///
+    /// # Errors
+    /// As [`FrameBuilder::<Rig>::read`], and [`Error::Options`] if cameras, scene or options differ from those of the
+    /// earlier passes.
+    pub async fn add_to(self, passes: &mut Passes) -> Result<Views, Error> {
+        self.views(Some(passes)).await
+    }
+
+    async fn views(self, passes: Option<&mut Passes>) -> Result<Views, Error> {
+        let Self { renderer, scene, cameras: rig, options, mut progress } = self;
+        let eyes = rig.eyes(scene.origin)?;
+        let of_pass = options_of(&passes, scene, rig, &options)?;
+        let frame = renderer.whole_frame(scene, &eyes, &of_pass, &mut *progress).await?;
+        let (done, mut views) = mean_of(passes, (scene, rig), &options, frame)?;
+        renderer.use_parts(&mut views, &options).await?;
         Ok(Views::of(done, views))
     }
 }
@@ -176,16 +192,33 @@ impl FrameBuilder<'_, StereoCamera> {
     /// # Errors
     /// As [`FrameBuilder::<Rig>::read`], without [`Error::Rig`].
     pub async fn read(self) -> Result<StereoPair, Error> {
+        self.both(None).await
+    }
+
+    /// Renders one more pass, and returns the mean of all passes ([`Passes`]).
+    ///
+    /// # Errors
+    /// As [`FrameBuilder::<Rig>::add_to`], without [`Error::Rig`].
+    pub async fn add_to(self, passes: &mut Passes) -> Result<StereoPair, Error> {
+        self.both(Some(passes)).await
+    }
+
+    async fn both(self, passes: Option<&mut Passes>) -> Result<StereoPair, Error> {
         let Self { renderer, scene, cameras: camera, options, mut progress } = self;
-        let pose = camera.pose_in(scene.origin)?;
-        let Some([first, second]) = renderer.toed_in(&pose, &options) else {
-            let (done, views) = renderer.whole_frame(scene, &Eyes::pair(&pose), &options, &mut *progress).await?;
-            return Ok(StereoPair::of(done, views));
+        let (rig, pose) = (Rig::from(*camera), camera.pose_in(scene.origin)?);
+        let of_pass = options_of(&passes, scene, &rig, &options)?;
+        let frame = match renderer.toed_in(&pose, &options) {
+            None => renderer.whole_frame(scene, &Eyes::pair(&pose), &of_pass, &mut *progress).await?,
+            Some([first, second]) => {
+                let options = Options { method: Method::Naive, ..of_pass };
+                let left = renderer.whole_frame(scene, &first, &options, &mut half_of(&mut *progress, 0.0)).await?;
+                let right = renderer.whole_frame(scene, &second, &options, &mut half_of(&mut *progress, 0.5)).await?;
+                (left.0.beside(right.0), [left.1, right.1].concat())
+            }
         };
-        let options = Options { method: Method::Naive, ..options };
-        let left = renderer.whole_frame(scene, &first, &options, &mut half_of(&mut *progress, 0.0)).await?;
-        let right = renderer.whole_frame(scene, &second, &options, &mut half_of(&mut *progress, 0.5)).await?;
-        Ok(StereoPair::of_two(pose, left, right))
+        let (done, mut views) = mean_of(passes, (scene, &rig), &options, frame)?;
+        renderer.use_parts(&mut views, &options).await?;
+        Ok(StereoPair { pose, ..StereoPair::of(done, views) })
     }
 
     /// Runs the passes of the frame without reading the pictures back; for benchmarks.
@@ -212,7 +245,7 @@ impl FrameBuilder<'_, StereoCamera> {
 }
 
 impl Renderer {
-    /// Renders a frame and keeps all rows of its views.
+    /// Renders a frame and keeps all rows of its views, with light in parts.
     async fn whole_frame(
         &mut self,
         scene: &UploadedScene,
@@ -227,8 +260,30 @@ impl Renderer {
             Ok(())
         };
         let done = self.sampled(scene, eyes, options, true, progress, &mut keep).await?;
-        self.use_parts(&mut views, options).await?;
         Ok((done, views))
+    }
+}
+
+/// Returns the options of the next pass, or the options themselves for a frame without passes.
+fn options_of(
+    passes: &Option<&mut Passes>,
+    scene: &UploadedScene,
+    rig: &Rig,
+    options: &Options,
+) -> Result<Options, Error> {
+    passes.as_ref().map_or_else(|| Ok(options.clone()), |passes| passes.next(scene, rig, options))
+}
+
+/// Adds a frame to the passes, and returns the mean of all.
+fn mean_of(
+    passes: Option<&mut Passes>,
+    (scene, rig): (&UploadedScene, &Rig),
+    options: &Options,
+    frame: (Done, Vec<ViewRows>),
+) -> Result<(Done, Vec<ViewRows>), Error> {
+    match passes {
+        None => Ok(frame),
+        Some(passes) => passes.add((scene, rig), options, frame),
     }
 }
 

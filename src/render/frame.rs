@@ -27,6 +27,7 @@ use crate::{
 };
 
 /// Result of a frame: how its views were made, and their cost.
+#[derive(Clone, Debug)]
 pub(crate) struct Done {
     pub(crate) eyes: Eyes,
     /// The requested method, or its replacement.
@@ -187,7 +188,7 @@ impl Renderer {
             lighting: layout::Lighting {
                 bounces: options.bounces,
                 sources: shape.soft_sources,
-                seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
+                seed: options.light_seed(view),
                 occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
                 share_tolerance: options.penumbra.tolerance(),
                 ..Default::default()
@@ -207,6 +208,7 @@ impl Renderer {
             paths: layout::PathRay {
                 bounces: paths.map_or(0, |paths| paths.rays - 1),
                 tolerance: options.penumbra.tolerance(),
+                first: options.pass.first_path,
                 ..Default::default()
             },
         };

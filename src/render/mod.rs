@@ -8,6 +8,7 @@ mod encode;
 mod exposure;
 pub(crate) mod frame;
 pub(crate) mod pair;
+mod passes;
 mod renderer;
 mod results;
 mod samples;
@@ -19,6 +20,7 @@ mod views;
 
 pub use builder::FrameBuilder;
 pub use encode::{Encoded, EncodedView};
+pub use passes::Passes;
 pub use renderer::Renderer;
 pub use upload::{Update, UploadInfo, UploadedScene};
 pub use views::{RigView, Views};

@@ -1,7 +1,7 @@
 //! Builds results from a frame and the rows of its views.
 
 use super::frame::Done;
-use crate::{Pose, RigView, Statistics, StereoPair, Views, frame::ViewRows};
+use crate::{RigView, Statistics, StereoPair, Views, frame::ViewRows};
 
 impl Done {
     /// Appends the eye of another frame, for a pair made of two single-eye frames.
@@ -36,13 +36,6 @@ impl Done {
 }
 
 impl StereoPair {
-    /// Builds a pair from two frames of one eye each.
-    pub(crate) fn of_two(pose: Pose, left: (Done, Vec<ViewRows>), right: (Done, Vec<ViewRows>)) -> Self {
-        let ((left, mut views), (right, of_right)) = (left, right);
-        views.extend(of_right);
-        Self { pose, ..Self::of(left.beside(right), views) }
-    }
-
     pub(crate) fn of(done: Done, views: Vec<ViewRows>) -> Self {
         let statistics = done.pair_statistics();
         let mut views = views.into_iter();

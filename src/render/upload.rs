@@ -3,7 +3,7 @@
 use std::{
     sync::{
         Arc, Mutex, OnceLock,
-        atomic::{AtomicBool, Ordering},
+        atomic::{AtomicBool, AtomicU64, Ordering},
     },
     time::Duration,
 };
@@ -66,6 +66,14 @@ pub struct UploadedScene {
     info: UploadInfo,
     /// Whether an update began to overwrite the texels and did not end.
     half_written: AtomicBool,
+    /// Number of the scene's current state, which no other scene or state has.
+    pub(super) state: u64,
+}
+
+/// Returns a number that no state of a scene has.
+fn new_state() -> u64 {
+    static STATES: AtomicU64 = AtomicU64::new(0);
+    STATES.fetch_add(1, Ordering::Relaxed)
 }
 
 /// How the BVH of a changed scene is updated; docs/TRAVERSAL.md has the costs.
@@ -294,6 +302,7 @@ impl Renderer {
             uploaded.soft = SoftLights::of(scene);
             (uploaded.texels[1], uploaded.pictures) = (table, pictures);
             uploaded.half_written = AtomicBool::new(false);
+            uploaded.state = new_state();
             (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
             return Ok(());
         }
@@ -359,6 +368,7 @@ impl Renderer {
             large: LargePrimitives::of(scene),
             shape,
             half_written: AtomicBool::new(false),
+            state: new_state(),
             gpu: gpu.clone(),
             info: UploadInfo {
                 traversal,

@@ -21,7 +21,7 @@ impl Jitter {
     /// elsewhere.
     pub(crate) fn of(options: &Options) -> Self {
         let side = if options.jitter { crate::ask::samples::side_of(options.samples).unwrap_or(1) } else { 1 };
-        Self::new(side, options.seed)
+        Self::new(side, options.jitter_seed())
     }
 
     /// Returns the side of the grid, or 1 without jitter.

@@ -9,6 +9,7 @@ pub(crate) use self::{
     cells::Cells,
     gather::{Centres, Gather},
     jitter::Jitter,
+    parts::PartSums,
 };
 use crate::{Error, Filter, Pose, view::camera, view::rig::Eyes};
 

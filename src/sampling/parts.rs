@@ -10,7 +10,7 @@ use crate::{
 /// Sums over a pixel's samples so far. Pairs hold diffuse light before the albedo and glossy light, over the samples
 /// that reflect this kind.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PartSums {
+pub(crate) struct PartSums {
     /// Diffuse light after and before the albedo.
     lit: Vec3,
     diffuse: Vec3,
@@ -34,7 +34,7 @@ pub(super) struct PartSums {
 
 impl PartSums {
     /// Adds a sample.
-    pub(super) fn add(&mut self, parts: &LightParts, weight: f32) {
+    pub(crate) fn add(&mut self, parts: &LightParts, weight: f32) {
         self.rest += weight * Vec3::from(parts.rest);
         if parts.normal == NO_NORMAL {
             return;
@@ -59,8 +59,30 @@ impl PartSums {
         self.variances += weights * weights * variances;
     }
 
+    /// Returns these sums with all weights multiplied by a factor.
+    pub(crate) fn weighted(&self, factor: f32) -> Self {
+        let squared = factor * factor;
+        Self {
+            lit: self.lit * factor,
+            diffuse: self.diffuse * factor,
+            glossy: self.glossy * factor,
+            albedo: self.albedo * factor,
+            rest: self.rest * factor,
+            point: self.point * factor,
+            normal: self.normal * factor,
+            lobe_width: self.lobe_width * factor,
+            reflectance: self.reflectance * factor,
+            surface: self.surface * factor,
+            weights: self.weights * factor,
+            brightness: self.brightness * factor,
+            squares: self.squares * factor,
+            squared_weights: self.squared_weights * squared,
+            variances: self.variances * squared,
+        }
+    }
+
     /// Returns the means. Where a sample has a single path, the variance follows from the samples' spread.
-    pub(super) fn means(&self) -> LightParts {
+    pub(crate) fn means(&self) -> LightParts {
         let rest = self.rest.to_array();
         if self.surface <= 0.0 || self.normal == Vec3::ZERO {
             return LightParts { normal: NO_NORMAL, rest, ..LightParts::default() };

@@ -36,6 +36,7 @@ mod mirrors;
 mod moving;
 mod numbers;
 mod obj;
+mod passes;
 mod paths;
 mod planes;
 mod ply;

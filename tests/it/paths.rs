@@ -337,7 +337,7 @@ fn lamps_follow_updates() {
 }
 
 /// Returns a room with a lamp, a window to the sky, a mirror, glass, a veil and a glossy ball.
-fn room() -> Scene {
+pub(crate) fn room() -> Scene {
     let mut scene = Scene::new();
     for (center, sides, albedo) in [
         (Vec3::ZERO, [2.0 * Vec3::X, 2.0 * Vec3::Z], Vec3::new(0.6, 0.5, 0.4)),
@@ -361,7 +361,7 @@ fn room() -> Scene {
     scene
 }
 
-fn room_camera() -> StereoCamera {
+pub(crate) fn room_camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.5, 1.5, 4.5), Vec3::new(0.0, 1.2, 0.0)).size(40, 30).interaxial(0.1)
 }
 
