@@ -49,9 +49,6 @@ pub(crate) struct Subject {
 pub(crate) enum Purpose {
     /// Pictures to look at: light by paths if materials are physically based, and an exposure that suits the scene.
     Pictures,
-    /// A window: direct light, since frames must be quick, and an exposure that suits the scene.
-    #[cfg_attr(not(feature = "view"), expect(dead_code, reason = "a feature opens windows"))]
-    Window,
     /// Measurements and data: direct light, and no change of exposure.
     Data,
 }
@@ -109,7 +106,7 @@ impl Subject {
         let begin = Instant::now();
         let (mut scene, cameras) = self.scene()?;
         let camera = self.stereo_camera(&scene, &cameras)?;
-        let by_paths = purpose == Purpose::Pictures && self.is_flattered() && self.suits_paths(&scene);
+        let by_paths = purpose != Purpose::Data && self.is_flattered() && self.suits_paths(&scene);
         self.place_lights(&mut scene, &camera, by_paths)?;
         let (picture, reach) = match self.is_flattered() {
             true => (self.picture.flattered(self.light.are_said(), &scene, by_paths), studio::REACH),

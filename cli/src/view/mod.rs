@@ -91,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         let hint = if cfg!(target_os = "linux") { "; is DISPLAY or WAYLAND_DISPLAY set?" } else { "" };
         format!("no window can be opened: {error}{hint}")
     })?;
-    let stage = subject.open(Purpose::Window, global)?;
+    let stage = subject.open(Purpose::Pictures, global)?;
     let settings = Settings::new(&stage, &arguments.eyes, size)?;
     let proxy = events.create_proxy();
     let say = move |said: Said| drop(proxy.send_event(said)); // sending fails if the window is closed

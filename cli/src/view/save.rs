@@ -248,7 +248,7 @@ mod tests {
         let line = [&["stereotrace", "view", "--adapter", "software"], line].concat();
         let Cli { global, command: Command::View(arguments) } = Cli::parse_from(&line) else { panic!("view") };
         let (subject, eyes) = arguments.parts();
-        let mut stage = subject.open(Purpose::Window, &global).unwrap();
+        let mut stage = subject.open(Purpose::Pictures, &global).unwrap();
         let mut settings = Settings::new(&stage, eyes, subject.picture.size()).unwrap();
         change(&mut settings);
         let uploaded = stage.renderer.upload(&stage.scene).wait().unwrap();
@@ -333,7 +333,7 @@ mod tests {
             panic!("view")
         };
         let (subject, eyes) = arguments.parts();
-        let mut settings = Settings::new(&subject.open(Purpose::Window, &global).unwrap(), eyes, [20, 10]).unwrap();
+        let mut settings = Settings::new(&subject.open(Purpose::Pictures, &global).unwrap(), eyes, [20, 10]).unwrap();
         let out = folder.file("out");
         assert_eq!(write(&settings, &pair, &out, "x").unwrap(), out.join("x-001.png"));
         assert_eq!(write(&settings, &pair, &out, "x").unwrap(), out.join("x-002.png"));

@@ -68,10 +68,12 @@ fn shown(settings: &Settings) -> String {
 }
 
 fn samples(settings: &Settings, frame: &Frame) -> String {
-    match (frame.whole, settings.options.adaptive) {
-        (true, Some(_)) => "adaptive samples".into(),
-        (true, None) => stereotrace::message::counted(settings.options.samples, "sample", "samples"),
-        (false, _) => "1 sample".into(),
+    let counted = stereotrace::message::counted;
+    match (frame.whole, settings.options.adaptive, frame.paths) {
+        (true, Some(_), _) => "adaptive samples".into(),
+        (true, None, 0) => counted(settings.options.samples, "sample", "samples"),
+        (true, None, paths) => counted(paths, "path", "paths"),
+        (false, ..) => "1 sample".into(),
     }
 }
 

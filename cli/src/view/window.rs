@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use stereotrace::{Scene, output::Batch};
+use stereotrace::{Lighting, Scene, output::Batch};
 use winit::{
     application::ApplicationHandler,
     dpi::{PhysicalPosition, PhysicalSize},
@@ -347,7 +347,11 @@ impl App {
         let Output { folder, name, origin, scene, quiet } = &self.output;
         match save::write(&self.settings, &frame.pair, folder, name) {
             Ok(path) => {
-                let command = save::quoted(&origin.command(&self.settings, scene, &path));
+                let mut settings = self.settings.clone();
+                if let (Lighting::Paths { samples, .. }, 1..) = (&mut settings.options.lighting, frame.paths) {
+                    *samples = frame.paths;
+                }
+                let command = save::quoted(&origin.command(&settings, scene, &path));
                 if !quiet {
                     use std::io::Write;
                     let _ = writeln!(std::io::stdout(), "{command}"); // a closed pipe is not an error

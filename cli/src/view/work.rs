@@ -1,8 +1,8 @@
 //! Runs the rendering thread. The thread has its own device, so the window responds during long frames.
 //!
 //! During motion the thread renders drafts with one sample per pixel, few rays to soft lights, and a size that takes
-//! about [`DRAFT`]. After [`STILL`] without changes, the thread renders the whole picture. The next change cancels this
-//! picture.
+//! about [`DRAFT`]. After [`STILL`] without changes, the thread renders the whole picture. Light by paths is then
+//! refined pass by pass. The next change cancels this picture.
 
 use std::{
     ops::ControlFlow,
@@ -13,7 +13,8 @@ use std::{
 };
 
 use stereotrace::{
-    Error, GBuffer, LightShape, Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, blocking::Wait, wgpu,
+    Error, GBuffer, LightShape, Lighting, Options, Passes, Renderer, Scene, StereoCamera, StereoPair, UploadedScene,
+    blocking::Wait, wgpu,
 };
 
 use crate::arguments::Global;
@@ -26,6 +27,10 @@ const STILL: Duration = Duration::from_millis(150);
 const DIVISORS: [u32; 6] = [1, 2, 3, 4, 6, 8];
 /// Maximum number of rays to each soft light in a draft.
 const DRAFT_RAYS: u32 = 4;
+/// Number of paths per pixel in a draft, the fewest that can be denoised.
+const DRAFT_PATHS: u32 = 2;
+/// Number of paths per pixel after which a picture is not refined any more.
+const MOST_PATHS: u32 = 1024;
 
 /// A requested frame.
 #[derive(Clone, Debug)]
@@ -46,6 +51,8 @@ pub(super) struct Frame {
     /// Whether it is the whole picture, and not a draft.
     pub(super) whole: bool,
     pub(super) pair: StereoPair,
+    /// Number of paths per pixel of a whole picture; 0 without paths.
+    pub(super) paths: u32,
     pub(super) time: Duration,
 }
 
@@ -102,7 +109,7 @@ impl Worker {
     ) -> std::io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let soft = scene.lights.iter().any(|light| light.shape != LightShape::Point);
-        let work = Work { shared: shared.clone(), renderer, scene, global, soft, cost: None };
+        let work = Work { shared: shared.clone(), renderer, scene, global, soft, cost: None, passes: Passes::new() };
         let run = move || {
             // Without this message the window would wait for the thread for ever.
             if panic::catch_unwind(AssertUnwindSafe(|| work.run(uploaded, &say))).is_err() {
@@ -145,7 +152,10 @@ enum Stage {
     Draft,
     /// A draft with all pixels.
     FullDraft,
+    /// A whole picture that is refined by further passes.
     Whole,
+    /// The last picture.
+    Final,
 }
 
 struct Work {
@@ -157,6 +167,8 @@ struct Work {
     soft: bool,
     /// Seconds per pixel of the last draft, or `None` before the first draft.
     cost: Option<f64>,
+    /// Passes of the current version's whole picture.
+    passes: Passes,
 }
 
 impl Work {
@@ -166,15 +178,20 @@ impl Work {
         while let Some((wanted, next)) = self.next(version, stage) {
             if wanted.version != version {
                 (version, stage) = (wanted.version, Stage::Nothing);
+                self.passes = Passes::new();
             }
             match self.render(&mut uploaded, &wanted, next) {
                 Ok(frame) => {
-                    stage = if frame.whole { Stage::Whole } else { next };
+                    stage = match frame.whole {
+                        true if self.has_passes(&wanted) && frame.paths < MOST_PATHS => Stage::Whole,
+                        true => Stage::Final,
+                        false => next,
+                    };
                     say(Said::Frame(Box::new(frame)));
                 }
                 Err(Error::Cancelled) => {}
                 Err(error) => {
-                    stage = Stage::Whole;
+                    stage = Stage::Final;
                     say(Said::Failed(version, error.to_string()));
                 }
             }
@@ -199,7 +216,8 @@ impl Work {
             }
             let still = state.since.map_or(Duration::ZERO, |since| STILL.saturating_sub(since.elapsed()));
             let wait = match stage {
-                Stage::Whole => Duration::MAX,
+                Stage::Final => Duration::MAX,
+                Stage::Whole => Duration::ZERO,
                 Stage::Nothing => Duration::ZERO, // the whole picture is as quick as a draft
                 Stage::Draft | Stage::FullDraft => still,
             };
@@ -219,6 +237,11 @@ impl Work {
                 wait => self.shared.changed.wait_timeout(state, wait).unwrap_or_else(PoisonError::into_inner).0,
             };
         }
+    }
+
+    /// Returns whether whole pictures are refined pass by pass.
+    fn has_passes(&self, wanted: &Wanted) -> bool {
+        wanted.options.lighting != Lighting::Direct && wanted.options.adaptive.is_none()
     }
 
     /// Returns whether a draft would equal the whole picture.
@@ -245,6 +268,7 @@ impl Work {
             Err(Error::DeviceLost(reason)) => {
                 log::warn!("the device was lost ({reason}); opening another one");
                 self.renderer = Renderer::new(self.global.gpu()?);
+                self.passes = Passes::new();
                 *uploaded = self.renderer.upload(&self.scene).wait()?;
                 self.try_render(uploaded, wanted, stage)
             }
@@ -268,13 +292,20 @@ impl Work {
             if over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let begin = Instant::now();
-        let options = options.g_buffer(GBuffer::Depth);
-        let pair = self.renderer.pair(uploaded, &camera).options(&options).progress(&mut go_on).read().wait()?;
+        let mut options = options.g_buffer(GBuffer::Depth);
+        let in_passes = stage == Stage::Whole && self.has_passes(wanted);
+        if let (true, Lighting::Paths { samples, .. }) = (in_passes, &mut options.lighting) {
+            // Later passes are longer, so that denoising takes a small share of the time.
+            *samples = (*samples).max(self.passes.paths() / 4);
+        }
+        let frame = self.renderer.pair(uploaded, &camera).options(&options).progress(&mut go_on);
+        let pair = if in_passes { frame.add_to(&mut self.passes).wait()? } else { frame.read().wait()? };
+        let paths = if in_passes { self.passes.paths() } else { 0 };
         let time = begin.elapsed();
         if stage != Stage::Whole || wanted.options == drafted {
             self.cost = Some(time.as_secs_f64() / (f64::from(w) * f64::from(h)));
         }
-        Ok(Frame { version, whole: stage == Stage::Whole, pair, time })
+        Ok(Frame { version, whole: stage == Stage::Whole, pair, paths, time })
     }
 }
 
@@ -289,6 +320,9 @@ fn draft_options(options: &Options, soft: bool) -> Options {
         occlusion.rays = few(occlusion.rays);
     }
     draft.sky_rays = draft.sky_rays.map(few);
+    if let Lighting::Paths { samples, .. } = &mut draft.lighting {
+        *samples = (*samples).min(DRAFT_PATHS);
+    }
     draft
 }
 
@@ -361,6 +395,24 @@ mod tests {
         worker.want(wanted(2, Options::new(Method::Naive)));
         let after = until_whole(&said, 2).pop().unwrap();
         assert_eq!(before.pair.left.rgba8, after.pair.left.rgba8);
+    }
+
+    #[test]
+    fn light_by_paths_is_refined_until_something_changes() {
+        let (worker, said) = worker();
+        let options = Options::new(Method::BRACKET).lighting(Lighting::paths(4)).denoise(true);
+        worker.want(wanted(1, options.clone()));
+        let mut frames = until_whole(&said, 1);
+        while frames.len() < 12 || frames[11].paths < 16 {
+            frames.extend(until_whole(&said, 1));
+        }
+        let wholes: Vec<&Frame> = frames.iter().filter(|frame| frame.whole).collect();
+        assert!(wholes.windows(2).all(|two| two[0].paths < two[1].paths), "passes of more and more paths");
+        assert_eq!(wholes[0].paths, 4);
+        let other = wanted(2, options.seed(1));
+        worker.want(other);
+        let begun_anew = until_whole(&said, 2).pop().unwrap();
+        assert_eq!(begun_anew.paths, 4);
     }
 
     #[test]
