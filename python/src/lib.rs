@@ -9,6 +9,7 @@ mod light;
 mod material;
 mod options;
 mod pair;
+mod passes;
 mod pickled;
 mod picture;
 mod renderer;
@@ -30,6 +31,7 @@ mod _stereotrace {
         material::Material,
         options::check_options,
         pair::{StereoPair, View, Views},
+        passes::Passes,
         pickled::restored,
         picture::encode_png,
         renderer::Renderer,

@@ -22,6 +22,7 @@ use crate::{
     errors::{raised, refused},
     options::Request,
     pair::{Frame, RigFrame, StereoPair, Views},
+    passes::Passes,
     scene::{Scene, State},
     values,
 };
@@ -248,7 +249,8 @@ impl Renderer {
     /// The first call with a scene builds its tree and uploads it. Later calls upload changes. ``progress`` is called
     /// with the name of a pass and the share of finished rows, 0 to 1. An exception from it, or a
     /// ``KeyboardInterrupt``, ends the frame and is raised here. ``progress`` must neither call this renderer nor
-    /// change the scene. The options are keywords:
+    /// change the scene. With ``passes``, the call renders one more pass, and returns the mean of all passes. The
+    /// options are keywords:
     ///
     /// - ``method``: how the right view is made, one of ``METHODS``. ``"naive"`` traces both views; ``"bracket-rays"``
     ///   makes the same picture for less, and ``"bracket"`` reuses visibility bits too. Default ``"auto"``.
@@ -289,22 +291,30 @@ impl Renderer {
     /// Raises ``ValueError`` for invalid options, cameras and scenes. Raises ``LimitError`` if the picture or scene
     /// exceeds the adapter's limits or memory. Raises ``DeviceLostError`` if the device was lost, and ``AdapterError``
     /// for other errors of its driver.
-    #[pyo3(signature = (scene, camera, *, progress = None, **options))]
+    #[pyo3(signature = (scene, camera, *, passes = None, progress = None, **options))]
     fn render(
         &self,
         py: Python<'_>,
         scene: &Scene,
         camera: Camera,
+        passes: Option<&Passes>,
         progress: Option<Py<PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<StereoPair> {
         let request = Request::of(options)?;
         let wants_truth = request.needs_ground_truth();
-        let (pair, truth) = self.work(py, scene, progress, |renderer, uploaded, progress| {
-            let pair = renderer.pair(uploaded, &camera.0).options(&request.options).progress(progress).read().wait()?;
+        let mut taken = passes.map(Passes::take).transpose()?;
+        let done = self.work(py, scene, progress, |renderer, uploaded, progress| {
+            let frame = renderer.pair(uploaded, &camera.0).options(&request.options).progress(progress);
+            let pair = match &mut taken {
+                None => frame.read().wait(),
+                Some(passes) => frame.add_to(passes).wait(),
+            }?;
             let truth = wants_truth.then(|| renderer.ground_truth(uploaded, &scene.inner, &pair).wait()).transpose()?;
             Ok::<(_, Option<GroundTruth>), Error>((pair, truth))
-        })?;
+        });
+        passes.zip(taken).into_iter().for_each(|(passes, all)| passes.give_back(all));
+        let (pair, truth) = done?;
         StereoPair::of(py, Frame { pair, truth, camera, request })
     }
 
@@ -332,13 +342,13 @@ impl Renderer {
     /// ``eyes`` is either their number, 1 to 1024, or a list of offsets. With a number, neighbours are one interaxial
     /// apart and the camera's midpoint is in their middle. Offsets count from that midpoint to the right, in
     /// interaxials. The views with the indices ``traced`` are traced; by default the library chooses them. Each other
-    /// view is made from the nearest traced one. ``progress`` and the options are those of ``render``. Ground truth
+    /// view is made from the nearest traced one. ``passes``, ``progress`` and the options are those of ``render``. Ground truth
     /// (``distance``, ``occlusion``, ``normal``, ``geometric_normal`` and ``material``) and disparities are only
     /// available for pairs.
     ///
     /// Raises as ``render`` does. Also raises ``ValueError`` for ground truth among the outputs, for no eyes or over
     /// 1024, and for two eyes in one place. Several toed-in eyes and indices out of range raise it too.
-    #[pyo3(signature = (scene, camera, eyes, *, traced = None, progress = None, **options))]
+    #[pyo3(signature = (scene, camera, eyes, *, traced = None, passes = None, progress = None, **options))]
     #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn render_views(
         &self,
@@ -347,6 +357,7 @@ impl Renderer {
         camera: Camera,
         eyes: &Bound<'_, PyAny>,
         traced: Option<Vec<usize>>,
+        passes: Option<&Passes>,
         progress: Option<Py<PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Views> {
@@ -365,10 +376,16 @@ impl Renderer {
             Some(views) => rig.traced(views),
             None => rig,
         };
-        let views = self.work(py, scene, progress, |renderer, uploaded, progress| {
-            renderer.views(uploaded, &rig).options(&request.options).progress(progress).read().wait()
-        })?;
-        Views::of(py, RigFrame { views, camera, request })
+        let mut taken = passes.map(Passes::take).transpose()?;
+        let done = self.work(py, scene, progress, |renderer, uploaded, progress| {
+            let frame = renderer.views(uploaded, &rig).options(&request.options).progress(progress);
+            match &mut taken {
+                None => frame.read().wait(),
+                Some(passes) => frame.add_to(passes).wait(),
+            }
+        });
+        passes.zip(taken).into_iter().for_each(|(passes, all)| passes.give_back(all));
+        Views::of(py, RigFrame { views: done?, camera, request })
     }
 
     /// Finds a random camera in the free space of a scene, with the properties of ``camera``. Returns a tuple of the

@@ -26,6 +26,7 @@ __all__ = [
     "LimitError",
     "Material",
     "PairMaker",
+    "Passes",
     "Renderer",
     "Scene",
     "StereoPair",
@@ -543,6 +544,16 @@ class Views:
     def __getitem__(self, index: SupportsIndex, /) -> View: ...
 
 @final
+class Passes:
+    """The passes of a picture so far, for the argument ``passes`` of ``Renderer.render``."""
+
+    def __new__(cls) -> Self: ...
+    @property
+    def count(self) -> int: ...
+    @property
+    def paths(self) -> int: ...
+
+@final
 class Renderer:
     """A graphics device that renders, and the scenes uploaded to it."""
 
@@ -558,6 +569,7 @@ class Renderer:
         scene: Scene,
         camera: Camera,
         *,
+        passes: Passes | None = None,
         progress: Callable[[str, float], object] | None = None,
         **options: Unpack[RenderOptions],
     ) -> StereoPair: ...
@@ -569,6 +581,7 @@ class Renderer:
         eyes: int | Sequence[float] | npt.NDArray[Any],
         *,
         traced: Sequence[int] | None = None,
+        passes: Passes | None = None,
         progress: Callable[[str, float], object] | None = None,
         **options: Unpack[RenderOptions],
     ) -> Views: ...

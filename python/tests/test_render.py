@@ -388,3 +388,26 @@ def test_everything_has_a_docstring():
             for member, found in vars(value).items():
                 if not member.startswith("_") and (callable(found) or hasattr(found, "__get__")):
                     assert found.__doc__, f"{name}.{member}"
+
+
+def test_passes_refine_a_picture(renderer, hall):
+    camera = hall.camera(size=(40, 30))
+    passes = stereotrace.Passes()
+    options = {"method": "naive", "outputs": ["linear"], "lighting": "paths=2:2"}
+    first = renderer.render(hall, camera, passes=passes, **options)
+    assert (passes.count, passes.paths) == (1, 2)
+    told = []
+    both = renderer.render(hall, camera, passes=passes, progress=lambda *_: told.append(passes.paths), **options)
+    assert set(told) == {2}
+    whole = renderer.render(hall, camera, **{**options, "lighting": "paths=4:2"})
+    assert np.abs(both.right.linear - whole.right.linear).max() < 1e-5
+    assert np.abs(first.right.linear - whole.right.linear).max() > 1e-3
+    with pytest.raises(ValueError, match="cameras"):
+        renderer.render(hall, hall.camera(size=(41, 30)), passes=passes, **options)
+    other = Renderer()
+    again = lambda *_: other.render(hall, camera, passes=passes, **options)  # noqa: E731
+    with pytest.raises(ValueError, match="another frame"):
+        renderer.render(hall, camera, passes=passes, progress=again, **options)
+    views = renderer.render_views(hall, camera, 3, passes=stereotrace.Passes(), **options)
+    assert len(views) == 3
+    assert repr(passes) == "Passes(2, 4 paths)"

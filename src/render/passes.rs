@@ -96,7 +96,7 @@ impl Passes {
         let common = Common::of(scene, rig, options);
         let earlier = self.begun.as_ref().map_or(&common, |begun| &begun.common);
         if earlier.scene != common.scene {
-            return fault("the scene is not that of the passes before");
+            return fault("the scene was changed or uploaded anew since the passes before");
         }
         if earlier.rig != common.rig {
             return fault("the cameras are not those of the passes before");

@@ -1,5 +1,5 @@
 export {
-    Pair, Renderer, Scene, Views, anaglyphs, builtins, channels, methods, options, packings, render, version,
+    Pair, Passes, Renderer, Scene, Views, anaglyphs, builtins, channels, methods, options, packings, render, version,
 } from "./stereotrace_web.js";
 export type {
     AnaglyphName, Camera, ChannelName, Difference, Eye, Light, Material, Mesh, MethodName, PackingName, Rays, RenderOptions, SceneInfo, Statistics, Vector,

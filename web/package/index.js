@@ -5,5 +5,5 @@ import init from "./stereotrace_web.js";
 await init();
 
 export {
-    Pair, Renderer, Scene, Views, anaglyphs, builtins, channels, methods, options, packings, render, version,
+    Pair, Passes, Renderer, Scene, Views, anaglyphs, builtins, channels, methods, options, packings, render, version,
 } from "./stereotrace_web.js";

@@ -146,6 +146,10 @@ export interface SceneInfo {
     materials: number;
     textures: number;
     lights: number;
+    /** Whether materials are physically based, so that light by paths shows more of them. */
+    physicallyBased: boolean;
+    /** Whether materials emit light, which paths find. */
+    emits: boolean;
     /** Low and high corner of the bounding box in world coordinates; undefined for an empty scene. */
     bounds?: [[number, number, number], [number, number, number]];
 }

@@ -17,6 +17,8 @@ const DRAFT_MS = 80;
 const WIGGLE_MS = 180;
 /** Largest side of an automatically sized picture, on software adapters and on others. */
 const MOST_SIDE = { software: 512, hardware: 1600 };
+/** Light by paths: paths of drafts, of the first picture and of the last, and bounces. */
+const PATHS = { draft: 2, first: 4, last: 256, bounces: 3 };
 const QUILT = { columns: 8, rows: 6, size: [420, 560], interaxialPixels: 3 };
 const ROUNDS = 3;
 const VIEWS = [...element("view").options].map((option) => option.value);
@@ -99,8 +101,11 @@ const settings = () => ({
     view: element("view").value,
     glasses: element("glasses").value,
     lights: Number(element("lights").value),
-    options: { method: element("method").value, samples: Number(element("samples").value) ** 2 },
+    options: { method: element("method").value, samples: Number(element("samples").value) ** 2, ...light(PATHS.first) },
 });
+
+/** Returns the options of the chosen light. @param {number} paths */
+const light = (paths) => (element("light").value === "paths" ? { lighting: `paths=${paths}:${PATHS.bounces}`, denoise: true } : {});
 
 /** Width and height of a whole picture. */
 function size() {
@@ -130,6 +135,7 @@ function label() {
     element("d-value").value = short(screenDistance);
     element("samples-value").value = String(settings().options.samples);
     element("lights-value").value = settings().lights || "from the scene";
+    element("light-hint").hidden = element("light").value !== "paths";
     element("glasses-row").hidden = settings().view !== "anaglyph";
     const legend = LEGENDS[settings().view];
     element("legend").hidden = !legend;
@@ -141,10 +147,12 @@ const short = (value) => Number(value.toPrecision(3)).toString();
 
 // --- What is rendered: the newest wish alone ---
 
-/** @type {"draft" | "whole" | "show" | null} */
+/** @type {"draft" | "whole" | "show" | "refine" | null} */
 let wish = null;
-/** @type {"draft" | "whole" | "other" | null} */
+/** @type {"draft" | "whole" | "refine" | "other" | null} */
 let running = null;
+/** Whether the last picture is refined while nothing else is asked for. */
+let refining = false;
 let settle = 0;
 
 /** Asks for a draft soon, and for a whole picture once nothing moves. */
@@ -160,22 +168,35 @@ function ask(what) {
     if (!camera) return;
     // Rendering also shows the last pair in the chosen view, so it replaces a wish to show.
     if (wish === null || what !== "show") wish = what;
-    if (running === "whole" && what !== "show") engine.stop();
+    if (running === "refine" || (running === "whole" && what !== "show")) engine.stop();
+    if (what !== "show") refining = false;
     if (running === null) void work();
 }
 
 async function work() {
-    while (wish) {
-        const what = wish;
+    while (wish || refining) {
+        const what = wish ?? "refine";
         wish = null;
         running = what === "show" ? "other" : what;
         try {
-            await (what === "show" ? show() : render(what === "draft"));
+            if (what === "show") await show();
+            else if (what === "refine") await refine();
+            else await render(what === "draft");
         } catch (error) {
+            if (error.name !== "AbortError") refining = false;
             await failed(error);
         }
         running = null;
     }
+}
+
+/** Adds a pass to the last picture. */
+async function refine() {
+    const { view, glasses } = settings();
+    const done = await engine.ask("refine", { view, glasses });
+    put(done.images);
+    figures(done, seen().size, 1);
+    refining &&= done.paths < PATHS.last;
 }
 
 /** @param {boolean} draft */
@@ -184,9 +205,11 @@ async function render(draft) {
     const [width, height] = size();
     const scale = draft ? draftScale(width * height * options.samples) : 1;
     const busy = setTimeout(() => say("rendering…"), 400);
+    const byPaths = element("light").value === "paths";
     const request = {
         camera: seen(scale), lights, glasses, view,
-        options: draft && scale < 1 ? { ...options, samples: 1 } : options,
+        options: draft && scale < 1 ? { ...options, samples: 1, ...light(PATHS.draft) } : options,
+        paths: byPaths && !draft,
         compare: view === "difference" && !draft,
     };
     try {
@@ -196,6 +219,7 @@ async function render(draft) {
         pixelMs = done.ms / pixels;
         figures(done, request.camera.size, scale);
         compared(done.difference ? done : null);
+        refining = request.paths && view !== "difference" && !wish;
         if (done.lost > lost) notice("The graphics device was lost, and was opened again.");
         lost = done.lost;
         document.documentElement.dataset.state = draft ? "draft" : "whole";
@@ -242,7 +266,7 @@ async function alone(text, task) {
         element("stop").hidden = true;
         for (const button of buttons) button.disabled = false;
         say("");
-        if (wish) void work();
+        if (wish || refining) void work();
     }
 }
 
@@ -269,7 +293,7 @@ setInterval(() => {
 }, WIGGLE_MS);
 
 /** @param {any} done @param {readonly number[]} pictureSize @param {number} scale */
-function figures({ ms, statistics, deviceMs }, pictureSize, scale) {
+function figures({ ms, statistics, deviceMs, paths }, pictureSize, scale) {
     const { method, choice, retracedShare, passes, left, right } = statistics;
     const rays = (eye) => eye.primary + eye.verification + eye.shadow + eye.secondary;
     const compiled = ms > 4 * (deviceMs ?? ms) + 300 ? ", mostly compilation" : "";
@@ -287,6 +311,7 @@ function figures({ ms, statistics, deviceMs }, pictureSize, scale) {
     } else if (deviceMs !== undefined) {
         rows.push(["device time", `${deviceMs.toFixed(1)} ms`]);
     }
+    if (paths) rows.push(["paths per pixel", paths]);
     rows.push(["method", method], ["picture", `${pictureSize.join("x")}${scale < 1 ? ", draft" : ""}`]);
     element("figures").replaceChildren(...rows.map(([name, value]) => {
         const group = document.createElement("div");
@@ -339,7 +364,8 @@ async function failed(error) {
 
 /** @param {any} source */
 async function openScene(source) {
-    if (running === "whole") engine.stop();
+    if (running === "whole" || running === "refine") engine.stop();
+    refining = false;
     const before = open;
     say("reading…");
     try {
@@ -347,6 +373,8 @@ async function openScene(source) {
         open = { name: source.builtin ?? source.name, source, camera: own };
         camera = own;
         for (const [id, value] of [["e", 1], ["d", 0], ["lights", 0]]) element(id).value = value;
+        // On a software adapter the first picture by paths takes a minute.
+        element("light").value = info.physicallyBased && !adapter.software ? "paths" : "direct";
         element("scene").value = source.builtin ?? "";
         const counted = (count, one, many) => (count === 1 ? `1 ${one}` : `${count.toLocaleString("en")} ${many}`);
         const others = info.primitives - info.triangles;
@@ -510,7 +538,7 @@ for (const id of ["samples", "lights"]) {
     element(id).addEventListener("input", label);
     element(id).addEventListener("change", () => ask("whole"));
 }
-for (const id of ["method", "size"]) element(id).addEventListener("change", () => { label(); ask("whole"); });
+for (const id of ["method", "size", "light"]) element(id).addEventListener("change", () => { label(); ask("whole"); });
 for (const id of ["view", "glasses"]) element(id).addEventListener("change", () => { label(); ask("show"); });
 element("message").lastElementChild.addEventListener("click", () => notice(""));
 element("stop").addEventListener("click", () => engine.stop());

@@ -1,7 +1,7 @@
 // A worker that does all rendering, so that the page answers even during a long frame. It receives messages { id, task,
 // ... } and answers each with { id, result } or { id, error }, and reports progress with { id, done }.
 // @ts-check
-import { Renderer, Scene, anaglyphs, builtins, methods, version } from "./pkg/index.js";
+import { Passes, Renderer, Scene, anaglyphs, builtins, methods, version } from "./pkg/index.js";
 
 /** @typedef {import("./pkg/index.js").Camera} Camera */
 /** @typedef {import("./pkg/index.js").RenderOptions} RenderOptions */
@@ -11,11 +11,17 @@ const renderer = new Renderer();
 let open = { scene: /** @type {Scene | null} */ (null), source: /** @type {any} */ (null), size: [640, 480], lights: 0 };
 /** The last rendered pair, its camera and options, and the same pair by naive if it was requested. */
 let last = /** @type {{ pair: import("./pkg/index.js").Pair, camera: Camera, options: RenderOptions, truth?: import("./pkg/index.js").Pair, truthMs?: number } | null} */ (null);
+/** Passes of the last pair, if its light is by paths. */
+let passes = /** @type {Passes | null} */ (null);
+/** Exposures that suit the open scene, by its lights and options. */
+let exposures = /** @type {Map<string, number>} */ (new Map());
 /** Ends the current rendering. */
 let stopping = new AbortController();
 
 /** The sky behind a file without one, and the number of lights beside the eyes if the file has none. */
 const BACKDROP = /** @type {const} */ ({ nadir: [0.26, 0.27, 0.29], zenith: [0.52, 0.56, 0.62], lights: 3 });
+/** Bounces of light by paths. */
+const BOUNCES = 3;
 /** Measured methods. A sweep on the host shows nothing about a GPU. */
 const MEASURED = methods().filter((name) => name !== "adelson-hodges" && name !== "auto");
 
@@ -40,7 +46,9 @@ async function sceneOf(source) {
 
 /** Lights a new scene, by its own camera. @param {Scene} scene @param {any} source @param {number} lights */
 function light(scene, source, lights, size = open.size) {
-    const count = lights || (!source.builtin && scene.info.lights === 0 ? BACKDROP.lights : 0);
+    const { lights: own, emits, physicallyBased } = scene.info;
+    const isDark = !source.builtin && own === 0 && !(emits && physicallyBased);
+    const count = lights || (isDark ? BACKDROP.lights : 0);
     if (count) scene.placeLights(count, scene.camera(size[0], size[1]));
 }
 
@@ -69,6 +77,13 @@ function pictures(view, glasses) {
     }
 }
 
+/** Returns the last pair's pictures and figures. @param {string} view @param {any} glasses @param {object} more */
+async function pictured(view, glasses, more) {
+    const images = await bitmaps(view, glasses);
+    const { statistics } = shown().pair;
+    return [{ images, statistics, deviceMs: deviceMs(statistics), lost: renderer.devicesLost, paths: passes?.paths ?? 0, ...more }, images];
+}
+
 function shown() {
     if (!last) throw new Error("nothing has been rendered yet");
     return last;
@@ -84,18 +99,29 @@ const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.le
 /** @param {import("./pkg/index.js").Statistics} statistics */
 const deviceMs = (statistics) => statistics.passes?.reduce((sum, pass) => sum + pass.ms, 0);
 
-/** @param {Camera} camera @param {RenderOptions} options */
-async function timed(camera, options) {
+/** @param {Camera} camera @param {RenderOptions} options @param {Passes | null} [refined] */
+async function timed(camera, options, refined) {
     if (!open.scene) throw new Error("no scene is open");
     const begin = performance.now();
-    const pair = await renderer.render(open.scene, camera, options);
+    const pair = await (refined ? renderer.addTo(refined, open.scene, camera, options) : renderer.render(open.scene, camera, options));
     return { pair, ms: performance.now() - begin };
+}
+
+/** Returns the exposure of a file's pictures, which its first picture decides. @param {Camera} camera @param {RenderOptions} options */
+async function exposure(camera, options) {
+    if (!open.scene?.info.physicallyBased) return 0;
+    const key = `${open.lights} ${options.lighting}`;
+    const known = exposures.get(key) ?? await renderer.suggestExposure(open.scene, camera, options);
+    exposures.set(key, known);
+    return known;
 }
 
 async function compared() {
     const frame = shown();
     if (!frame.truth) {
-        const { pair, ms } = await timed(frame.camera, { ...frame.options, method: "naive", signal: stopping.signal });
+        const options = { ...frame.options, method: "naive", signal: stopping.signal };
+        if (passes) options.lighting = `paths=${passes.paths}:${BOUNCES}`;
+        const { pair, ms } = await timed(frame.camera, options);
         [frame.truth, frame.truthMs] = [pair, ms];
     }
     return { difference: frame.pair.difference(frame.truth), naiveMs: frame.truthMs };
@@ -115,12 +141,13 @@ const tasks = {
         await renderer.upload(scene);
         open.scene?.free();
         open = { scene, source, size, lights: 0 };
+        exposures = new Map();
         forget();
         return { camera, info: scene.info, warnings: scene.warnings };
     },
 
     /** @param {any} request */
-    async render({ camera, options, lights, view, glasses, compare }, tell) {
+    async render({ camera, options: asked, paths, lights, view, glasses, compare }, tell) {
         if (lights !== open.lights) {
             if (!lights && open.source) {
                 // The scene's own lights come back with the scene.
@@ -131,13 +158,24 @@ const tasks = {
             if (open.scene) light(open.scene, open.source, lights);
             open.lights = lights;
         }
-        const { pair, ms } = await timed(camera, { ...options, signal: stopping.signal, onProgress: tell });
+        const options = { ...asked, exposure: await exposure(camera, asked) };
+        const begun = paths ? new Passes() : null;
+        const { pair, ms } = await timed(camera, { ...options, signal: stopping.signal, onProgress: tell }, begun);
         forget();
         last = { pair, camera, options };
+        passes = begun;
         const truth = compare ? await compared() : undefined;
-        const images = await bitmaps(view, glasses);
-        const { statistics } = pair;
-        return [{ images, ms, statistics, deviceMs: deviceMs(statistics), lost: renderer.devicesLost, ...truth }, images];
+        return pictured(view, glasses, { ms, ...truth });
+    },
+
+    /** Adds a pass to the last pair. @param {any} request */
+    async refine({ view, glasses }) {
+        const { pair: before, camera, options } = shown();
+        if (!passes) throw new Error("nothing is refined");
+        const { pair, ms } = await timed(camera, { ...options, signal: stopping.signal }, passes);
+        before.free();
+        last = { pair, camera, options };
+        return pictured(view, glasses, { ms });
     },
 
     /** Returns the last pair in another view. @param {any} request */
@@ -218,6 +256,8 @@ function forget() {
     last?.pair.free();
     last?.truth?.free();
     last = null;
+    passes?.free();
+    passes = null;
 }
 
 /**

@@ -18,6 +18,7 @@ mod errors;
 mod messages;
 mod options;
 mod pair;
+mod passes;
 mod renderer;
 mod scene;
 mod values;

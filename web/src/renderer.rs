@@ -15,6 +15,7 @@ use crate::{
     errors::raised,
     options::Request,
     pair::Pair,
+    passes::Passes,
     scene::{Changes, Scene, Shared},
     views::Views,
 };
@@ -83,6 +84,48 @@ impl Renderer {
                 .await
         };
         Ok(Pair(self.with_scene(&scene.shared, frame).await?))
+    }
+
+    /// Renders one more pass of a pair, and returns the mean of all passes. They must have the same scene, camera and
+    /// options, except `exposure`, `tone` and the number of paths, which is the pass's weight; otherwise it rejects
+    /// with a `TypeError`. A pass that is aborted leaves the earlier ones as they are. Rejects as `render` does.
+    #[wasm_bindgen(js_name = addTo, unchecked_return_type = "Pair")]
+    pub async fn add_to(
+        &self,
+        passes: &Passes,
+        scene: &Scene,
+        #[wasm_bindgen(unchecked_param_type = "Camera")] camera: JsValue,
+        #[wasm_bindgen(unchecked_optional_param_type = "RenderOptions")] options: JsValue,
+    ) -> Result<Pair, JsValue> {
+        let (camera, request) = (camera::read(camera)?, Request::read(options)?);
+        let mut all = passes.all.lock().await;
+        let frame = async |renderer: &mut stereotrace::Renderer, uploaded: &UploadedScene| {
+            renderer
+                .pair(uploaded, &camera)
+                .options(&request.options)
+                .progress(&mut |now| request.goes_on(now))
+                .add_to(&mut all)
+                .await
+        };
+        let pair = self.with_scene(&scene.shared, frame).await?;
+        passes.tell(&all);
+        Ok(Pair(pair))
+    }
+
+    /// Returns an exposure in stops, for the option `exposure`, by which a scene's picture is neither dark nor burnt.
+    /// It is 0 if no change is needed. Rejects as `render` does.
+    #[wasm_bindgen(js_name = suggestExposure)]
+    pub async fn suggest_exposure(
+        &self,
+        scene: &Scene,
+        #[wasm_bindgen(unchecked_param_type = "Camera")] camera: JsValue,
+        #[wasm_bindgen(unchecked_optional_param_type = "RenderOptions")] options: JsValue,
+    ) -> Result<f32, JsValue> {
+        let (camera, request) = (camera::read(camera)?, Request::read(options)?);
+        let stops = async |renderer: &mut stereotrace::Renderer, uploaded: &UploadedScene| {
+            renderer.suggest_exposure(uploaded, &camera, &request.options).await
+        };
+        self.with_scene(&scene.shared, stops).await
     }
 
     /// Renders a row of `count` eyes from left to right. Neighbours are one interaxial apart, and the camera is in

@@ -138,6 +138,8 @@ impl Scene {
             materials: scene.materials().len(),
             textures: scene.textures().len(),
             lights: scene.lights.len(),
+            physically_based: scene.materials().iter().any(|material| material.principled.is_some()),
+            emits: scene.materials().iter().any(|material| material.emission != Vec3::ZERO),
             bounds: scene.bounds().map(|(low, high)| [low.to_array(), high.to_array()]),
         })
     }
@@ -318,6 +320,9 @@ struct Info {
     materials: usize,
     textures: usize,
     lights: usize,
+    #[serde(rename = "physicallyBased")]
+    physically_based: bool,
+    emits: bool,
     bounds: Option<[[f64; 3]; 2]>,
 }
 

@@ -371,6 +371,38 @@ await test("scenes that are asked for one upon the other: the last one is shown"
     await context.close();
 });
 
+await test("light by paths is refined while nothing changes", async () => {
+    const { page, context, faults } = await opened("?scene=three-spheres&size=48x36&view=left");
+    await whole(page);
+    const before = JSON.stringify(await pixels(page));
+    await choose(page, "light", "paths");
+    const paths = () => page.evaluate(() => Number(/paths per pixel\s*(\d+)/.exec(document.querySelector("#figures").textContent)?.[1] ?? 0));
+    const refined = async (least) => page.waitForFunction((least) => Number(/paths per pixel\s*(\d+)/.exec(document.querySelector("#figures").textContent)?.[1]) >= least, least);
+    await refined(12);
+    assert.notEqual(JSON.stringify(await pixels(page)), before, "paths show other light");
+    // Another view is shown without losing the passes.
+    const known = await paths();
+    await choose(page, "view", "right");
+    await refined(known + 4);
+    await choose(page, "view", "left");
+    await choose(page, "light", "direct");
+    assert.equal(await paths(), 0);
+    assert.equal(JSON.stringify(await pixels(page)), before);
+    const means = await page.evaluate(async () => {
+        const { Passes, Renderer, Scene } = await import("./pkg/index.js");
+        const [scene, renderer, passes] = [Scene.builtin("three-spheres"), new Renderer(), new Passes()];
+        const camera = scene.camera(48, 36);
+        for (const paths of [2, 6]) (await renderer.addTo(passes, scene, camera, { lighting: `paths=${paths}:3` })).free();
+        const faults = [];
+        await renderer.addTo(passes, scene, { ...camera, interaxial: 1 }, { lighting: "paths=2:3" }).catch((error) => faults.push(error.message));
+        return [passes.count, passes.paths, await renderer.suggestExposure(scene, camera), ...faults];
+    });
+    assert.deepEqual(means.slice(0, 2), [2, 8]);
+    assert.ok(Number.isFinite(means[2]) && /cameras/.test(means[3]), String(means));
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
 await test("a lost device is opened again, and that is said", async () => {
     const { page, context } = await opened("?scene=three-spheres&size=96x72", { prepare: watched });
     await whole(page);
