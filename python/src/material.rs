@@ -1,7 +1,7 @@
 //! Materials.
 
 use pyo3::{prelude::*, types::PyDict};
-use stereotrace::{Finish, TextureId, glam::Vec3};
+use stereotrace::{Finish, Principled, TextureId, glam::Vec3};
 
 use crate::{
     errors::refused,
@@ -23,6 +23,8 @@ const FIELDS: [&str; 11] = [
     "finish",
     "index",
 ];
+/// Fields that leave a physically based surface as it is.
+const COMMON_FIELDS: [&str; 4] = ["name", "texture", "cutout", "opacity"];
 /// Fields of mirrors and glass only.
 const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 
@@ -83,6 +85,45 @@ impl Material {
             material.specular = default_specular(&material.finish);
         }
         Ok(Self(material))
+    }
+
+    /// Makes a physically based surface (metallic-roughness, as glTF 2.0 has it), which paths of light show
+    /// (``lighting="paths"``). Direct light shows Phong's approximation of it.
+    ///
+    /// - ``base``: diffuse reflectance of a dielectric, or reflectance of a metal, linear RGB, 0 to 1. Default 0.8.
+    /// - ``metallic``: 0 for a dielectric, 1 for a metal. Default 0.
+    /// - ``roughness``: 0, smooth, to 1. Default 0.5.
+    /// - ``index``: refractive index of a dielectric, 0.1 to 10. Default 1.5.
+    /// - ``specular``: factor of a dielectric's reflectance at normal incidence, linear RGB, 0 to 1. Default 1.
+    /// - ``transmission``: share of the light that enters a dielectric and is transmitted, 0 to 1. Default 0.
+    /// - ``thin``: whether transmitted light is not refracted. Default ``False``.
+    /// - ``absorption``: light that is absorbed inside per world unit, linear RGB. Default 0.
+    /// - ``clearcoat`` and ``clearcoat_roughness``: share of the surface under a clear coat, and its roughness, 0 to 1.
+    ///   Default 0.
+    /// - ``emission``: emitted radiance, linear RGB. Default 0.
+    /// - ``texture``, ``roughness_texture`` (green), ``metallic_texture`` (blue), ``normal_texture``,
+    ///   ``emission_texture``, ``clearcoat_texture`` (red) and ``clearcoat_roughness_texture`` (green): ids of
+    ///   textures. They multiply the values of these names; ``texture`` multiplies ``base``. Default ``None``.
+    /// - ``normal_scale``: factor of the normals' x and y. Default 1.
+    /// - ``name``, ``cutout``, ``opacity``: as in ``Material``.
+    ///
+    /// Raises ``ValueError`` as ``Material`` does.
+    #[staticmethod]
+    #[pyo3(signature = (base = None, **fields))]
+    fn principled(py: Python<'_>, base: Option<Color>, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut surface = Principled::new(base.map_or(Vec3::splat(0.8), |base| base.0), 0.0, 0.5);
+        let others = PyDict::new(py);
+        for (name, value) in fields.into_iter().flatten() {
+            if !set(&mut surface, &name.extract::<String>()?, &value)? {
+                others.set_item(name, value)?;
+            }
+        }
+        if let Some((name, _)) =
+            others.iter().find(|(name, _)| !COMMON_FIELDS.iter().any(|known| name.eq(*known).unwrap_or(false)))
+        {
+            return Err(refused(format!("Material.principled: unknown field '{name}'")));
+        }
+        with(stereotrace::Material::new(Vec3::ZERO).principled(surface), Some(&others))
     }
 
     /// Returns a copy with other fields: the keywords of ``Material``. If ``finish`` is given, ``index``,
@@ -189,13 +230,42 @@ impl Material {
     }
 }
 
+/// Sets a field of a physically based surface. Returns whether there is one of this name.
+fn set(surface: &mut Principled, name: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let of = |error: PyErr| refused(format!("Material.principled: {name}: {}", error.value(value.py())));
+    let color = || value.extract::<Color>().map(|color| color.0).map_err(of);
+    let number = || value.extract::<f32>().map_err(|_| of(refused(format!("{} must be a number", shown(value)))));
+    let texture = || value.extract::<Option<u32>>().map(|id| id.map(TextureId)).map_err(of);
+    match name {
+        "metallic" => surface.metallic = number()?,
+        "roughness" => surface.roughness = number()?,
+        "index" => surface.index = number()?,
+        "specular" => surface.specular = color()?,
+        "transmission" => surface.transmission = number()?,
+        "thin" => surface.thin = value.extract().map_err(of)?,
+        "absorption" => surface.absorption = color()?,
+        "clearcoat" => surface.clearcoat = number()?,
+        "clearcoat_roughness" => surface.clearcoat_roughness = number()?,
+        "emission" => surface.emission = color()?,
+        "normal_scale" => surface.normal_scale = number()?,
+        "roughness_texture" => surface.roughness_texture = texture()?,
+        "metallic_texture" => surface.metallic_texture = texture()?,
+        "normal_texture" => surface.normal_texture = texture()?,
+        "emission_texture" => surface.emission_texture = texture()?,
+        "clearcoat_texture" => surface.clearcoat_texture = texture()?,
+        "clearcoat_roughness_texture" => surface.clearcoat_roughness_texture = texture()?,
+        _ => return Ok(false),
+    }
+    Ok(true)
+}
+
 /// Returns the material with other fields.
 fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Material> {
     let Some(fields) = fields else { return Ok(Material(material)) };
     for (name, value) in fields {
         let name: String = name.extract()?;
-        // Paths would show the file's values.
-        if !["name", "texture", "cutout", "opacity"].contains(&&*name) {
+        // Paths would show the surface's earlier values.
+        if !COMMON_FIELDS.contains(&&*name) {
             material.principled = None;
         }
         let of = |error: PyErr| refused(format!("material: {name}: {}", error.value(value.py())));

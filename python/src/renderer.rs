@@ -342,9 +342,9 @@ impl Renderer {
     /// ``eyes`` is either their number, 1 to 1024, or a list of offsets. With a number, neighbours are one interaxial
     /// apart and the camera's midpoint is in their middle. Offsets count from that midpoint to the right, in
     /// interaxials. The views with the indices ``traced`` are traced; by default the library chooses them. Each other
-    /// view is made from the nearest traced one. ``passes``, ``progress`` and the options are those of ``render``. Ground truth
-    /// (``distance``, ``occlusion``, ``normal``, ``geometric_normal`` and ``material``) and disparities are only
-    /// available for pairs.
+    /// view is made from the nearest traced one. ``passes``, ``progress`` and the options are those of ``render``.
+    /// Ground truth (``distance``, ``occlusion``, ``normal``, ``geometric_normal`` and ``material``) and disparities
+    /// are only available for pairs.
     ///
     /// Raises as ``render`` does. Also raises ``ValueError`` for ground truth among the outputs, for no eyes or over
     /// 1024, and for two eyes in one place. Several toed-in eyes and indices out of range raise it too.

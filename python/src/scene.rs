@@ -384,10 +384,11 @@ impl Scene {
     /// row first, ``(height, width, 3)``, or with alpha ``(height, width, 4)``. Colours are sRGB. Sides are 1 to 8192
     /// pixels. ``wrap`` is for texture coordinates outside 0 to 1: ``"repeat"`` repeats the texture, ``"mirror"``
     /// mirrors every second repetition, and ``"clamp"`` extends its edge. On spheres and ellipsoids the texture's
-    /// middle is at +z, its right half at +x, its top at +y. Raises ``OSError`` if the file can't be read, and
-    /// ``ValueError`` for an invalid picture or sides out of range.
-    #[pyo3(signature = (picture, wrap = "repeat"))]
-    fn add_texture(&mut self, picture: &Bound<'_, PyAny>, wrap: &str) -> PyResult<u32> {
+    /// middle is at +z, its right half at +x, its top at +y. ``data`` says that the picture holds linear numbers, such
+    /// as roughness or normals, and not sRGB colours. Raises ``OSError`` if the file can't be read, and ``ValueError``
+    /// for an invalid picture or sides out of range.
+    #[pyo3(signature = (picture, wrap = "repeat", *, data = false))]
+    fn add_texture(&mut self, picture: &Bound<'_, PyAny>, wrap: &str, data: bool) -> PyResult<u32> {
         let wrap = match wrap {
             "repeat" => Wrap::Repeat,
             "mirror" => Wrap::Mirror,
@@ -401,7 +402,7 @@ impl Scene {
                 Texture::image(width, height, pixels)
             }
         };
-        let TextureId(id) = self.changed().add_texture(texture.map_err(raised)?.wrap(wrap));
+        let TextureId(id) = self.changed().add_texture(texture.map_err(raised)?.wrap(wrap).data(data));
         Ok(id)
     }
 

@@ -199,6 +199,45 @@ class MaterialFields(TypedDict, total=False):
     fresnel: bool
 
 @type_check_only
+class PrincipledFields(TypedDict, total=False):
+    """The keywords of ``Material.principled`` beside ``base``."""
+
+    # 0 for a dielectric, 1 for a metal. Default 0.
+    metallic: float
+    # 0, smooth, to 1. Default 0.5.
+    roughness: float
+    # Refractive index of a dielectric, 0.1 to 10. Default 1.5.
+    index: float
+    # Factor of a dielectric's reflectance at normal incidence, linear RGB, 0 to 1. Default 1.
+    specular: Color
+    # Share of the light that enters a dielectric and is transmitted, 0 to 1. Default 0.
+    transmission: float
+    # Whether transmitted light is not refracted. Default False.
+    thin: bool
+    # Light that is absorbed inside per world unit, linear RGB. Default 0.
+    absorption: Color
+    # Share of the surface under a clear coat, 0 to 1. Default 0.
+    clearcoat: float
+    # Roughness of the clear coat, 0 to 1. Default 0.
+    clearcoat_roughness: float
+    # Emitted radiance, linear RGB. Default 0.
+    emission: Color
+    # Factor of the normals' x and y. Default 1.
+    normal_scale: float
+    # Ids of textures, which multiply the values of these names; ``texture`` multiplies ``base``. Default None.
+    texture: int | None
+    roughness_texture: int | None
+    metallic_texture: int | None
+    normal_texture: int | None
+    emission_texture: int | None
+    clearcoat_texture: int | None
+    clearcoat_roughness_texture: int | None
+    # As in ``Material``.
+    name: str
+    cutout: int | None
+    opacity: float
+
+@type_check_only
 class MaterialReplaceFields(MaterialFields, total=False):
     """The keywords of ``Material.replace``."""
 
@@ -324,7 +363,11 @@ class Scene:
     @property
     def materials(self) -> list[Material]: ...
     def add_texture(
-        self, picture: _Path | npt.NDArray[np.uint8], wrap: Literal["repeat", "mirror", "clamp"] = "repeat"
+        self,
+        picture: _Path | npt.NDArray[np.uint8],
+        wrap: Literal["repeat", "mirror", "clamp"] = "repeat",
+        *,
+        data: bool = False,
     ) -> int: ...
     def add_checkerboard(self, first: Color, second: Color, squares: int) -> int: ...
     @property
@@ -434,6 +477,8 @@ class Material:
 
     __hash__: ClassVar[None]  # type: ignore[assignment]
     def __new__(cls, albedo: Color | None = None, **fields: Unpack[MaterialFields]) -> Self: ...
+    @staticmethod
+    def principled(base: Color | None = None, **fields: Unpack[PrincipledFields]) -> Material: ...
     def replace(self, **fields: Unpack[MaterialReplaceFields]) -> Material: ...
     @property
     def name(self) -> str: ...

@@ -395,3 +395,39 @@ def test_files_far_from_the_origin_keep_their_places(tmp_path):
     assert camera.eye == eye and Camera.from_json(camera.to_json()) == camera
     t, ids = stereotrace.Renderer().closest_hits(scene, [eye], [(0, 0, -1)])
     assert ids[0] == 0 and t[0] == 2.5
+
+
+def test_physically_based_materials_are_shown_by_paths(renderer):
+    """Black surfaces under a white sky reflect what Fresnel's equations say, and a tilted normal is lit by a cosine."""
+
+    def middle(material, texture=None, light=False):
+        scene = Scene()
+        if texture is not None:
+            material = {**material, "normal_texture": scene.add_texture(texture, data=True)}
+        scene.add_material(Material.principled(**material))
+        corners = np.array([[-9, 0, -9], [-9, 0, 9], [9, 0, 9], [9, 0, -9]], np.float32)
+        uv = np.array([[0, 0], [0, 1], [1, 1], [1, 0]], np.float32)
+        faces = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
+        scene.add_mesh(corners, faces, uv=uv, material=1)
+        if light:
+            scene.lights = [Light.point((0, 1e6, 0), 1.0)]
+        else:
+            scene.set_sky((1.0, 1.0, 1.0))
+        camera = Camera((0, 3, 0.01), (0, 0, 0), size=(8, 8), fov=1.0)
+        pair = renderer.render(scene, camera, method="naive", outputs="linear", lighting="paths=64:1")
+        return float(pair.left.linear[..., 0].mean())
+
+    black = {"base": 0.0, "roughness": 0.0}
+    assert abs(middle(black) - 0.04) < 1e-3
+    assert abs(middle({**black, "specular": 0.0, "clearcoat": 1.0}) - 0.04) < 1e-3
+    assert abs(middle({"base": (0.3, 0.2, 0.1), "metallic": 1.0, "roughness": 0.0}) - 0.3) < 2e-3
+    tilted = np.array([[[128 + 76, 128, 128 + 102]]], np.uint8)
+    matte = {"base": 1.0, "roughness": 1.0, "specular": 0.0, "metallic": 0.0}
+    assert abs(middle(matte, tilted, light=True) / middle(matte, light=True) - 0.8) < 0.01
+    with pytest.raises(ValueError, match="roughnes"):
+        Material.principled(roughnes=1)
+    with pytest.raises(ValueError, match="thin"):
+        Material.principled(thin="no")
+    assert Material.principled(metallic=1.0) != Material.principled()
+    coated = Material.principled(0.5, clearcoat=1.0)
+    assert pickle.loads(pickle.dumps(coated)) == coated

@@ -10,6 +10,9 @@ const INVERSE_PI: f32 = 0.31830989;
 // Highlights with a smaller alpha are mirrors.
 const LEAST_ALPHA: f32 = 1e-3;
 
+// Reflectance at normal incidence of a clear coat with an index of refraction of 1.5.
+const COAT_REFLECTANCE: f32 = 0.04;
+
 // How a surface scatters light, for one direction to the viewer.
 struct Lobes {
     diffuse: vec3f,         // albedo of diffuse reflection, below what the highlight lets through
@@ -23,12 +26,16 @@ struct Lobes {
     is_glass: bool,
     is_thin: bool,          // whether glass does not refract
     is_fresnel: bool,       // whether glass splits light by the angle
+    coat: f32,              // share of the surface under a clear coat
+    coat_alpha: f32,        // width of the coat's highlight
+    coat_chance: f32,       // share of the coat in `glossy`
 }
 
 // Returns the alpha of a surface's highlight. It is 0 for mirrors, glass and veils, and 1 for matte surfaces.
 fn lobe_width(lobes: Lobes) -> f32 {
     if lobes.opacity < 1.0 || lobes.is_glass { return 0.0; }
-    return select(1.0, clamp(lobes.alpha, 0.0, 1.0), lobes.glossy > 0.0);
+    let alpha = select(lobes.alpha, min(lobes.alpha, lobes.coat_alpha), lobes.coat > 0.0);
+    return select(1.0, clamp(alpha, 0.0, 1.0), lobes.glossy > 0.0);
 }
 
 // Returns Phong's exponent as the alpha of a lobe of about the same width (Walter et al. 2007, "Microfacet Models for
@@ -53,7 +60,8 @@ fn lobes_of(material: Material, albedo: vec3f, cosine: f32) -> Lobes {
     }
     let facing = clamp(cosine, 0.0, 1.0);
     if material.kind == MIRROR {
-        if material.fresnel { return with_highlights(lobes, material.specular, material.specular, 0.0, 0.0, facing); }
+        let mirror = material.specular;
+        if material.fresnel { return with_highlights(lobes, mirror, 1.0, mirror, 0.0, 0.0, facing); }
         lobes.reflectance = material.specular;
         lobes.glossy = luminance(material.specular);
         return lobes;
@@ -61,27 +69,29 @@ fn lobes_of(material: Material, albedo: vec3f, cosine: f32) -> Lobes {
     if all(material.specular == vec3f(0.0)) { return lobes; }
     // Highlights that do not conserve energy may have more.
     let specular = min(material.specular, vec3f(1.0));
-    return with_highlights(lobes, specular, specular, 0.0, alpha_of_exponent(material.exponent), facing);
+    return with_highlights(lobes, specular, 1.0, specular, 0.0, alpha_of_exponent(material.exponent), facing);
 }
 
 // Reflectance at normal incidence and what it gains towards grazing angles, by Schlick's approximation. The factor is
 // that of light reflected between facets (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet
-// Models"); `lost` is the share that one reflection loses over the share that it does not.
+// Models"); `lost` is the share that one reflection loses over the share that it does not. `edge` is the reflectance at
+// grazing angles.
 struct Schlick {
     plain: vec3f,
     grazing: vec3f,
 }
 
-fn schlick_of(reflectance: vec3f, lost: f32) -> Schlick {
+fn schlick_of(reflectance: vec3f, edge: vec3f, lost: f32) -> Schlick {
     let gain = 1.0 + reflectance * lost;
-    return Schlick(reflectance * gain, (1.0 - reflectance) * gain);
+    return Schlick(reflectance * gain, (edge - reflectance) * gain);
 }
 
 // Adds the highlights of a dielectric, which lies above diffuse reflection, and of a metal. Their reflectances are
-// those at normal incidence.
+// those at normal incidence; `edge` is a dielectric's at grazing angles.
 fn with_highlights(
     before: Lobes,
     dielectric: vec3f,
+    edge: f32,
     metal: vec3f,
     metallic: f32,
     alpha: f32,
@@ -92,13 +102,35 @@ fn with_highlights(
     var shares = vec2f(1.0 - pow(1.0 - facing, 5.0), pow(1.0 - facing, 5.0));
     if alpha > LEAST_ALPHA { shares = reflected_shares(alpha, facing); }
     let lost = 1.0 / (shares.x + shares.y) - 1.0;
-    let above = schlick_of(dielectric, lost);
-    let bare = schlick_of(metal, lost);
+    let above = schlick_of(dielectric, max(vec3f(edge), dielectric), lost);
+    let bare = schlick_of(metal, vec3f(1.0), lost);
     lobes.reflectance = mix(above.plain, bare.plain, metallic);
     lobes.grazing = mix(above.grazing, bare.grazing, metallic);
     lobes.glossy = luminance(lobes.reflectance * (shares.x + shares.y) + lobes.grazing * shares.y);
     lobes.diffuse *= 1.0 - (above.plain * (shares.x + shares.y) + above.grazing * shares.y);
     return lobes;
+}
+
+// Adds a clear coat of this share and alpha. What it reflects does not reach the surface below.
+fn with_coat(before: Lobes, share: f32, alpha: f32, facing: f32) -> Lobes {
+    var lobes = before;
+    if share <= 0.0 || lobes.is_glass { return lobes; }
+    var shares = vec2f(1.0 - pow(1.0 - facing, 5.0), pow(1.0 - facing, 5.0));
+    if alpha > LEAST_ALPHA { shares = reflected_shares(alpha, facing); }
+    let reflected = share * (COAT_REFLECTANCE * shares.x + shares.y);
+    lobes.coat = share;
+    lobes.coat_alpha = alpha;
+    lobes.diffuse *= 1.0 - reflected;
+    lobes.reflectance *= 1.0 - reflected;
+    lobes.grazing *= 1.0 - reflected;
+    lobes.glossy = lobes.glossy * (1.0 - reflected) + reflected;
+    lobes.coat_chance = reflected / max(lobes.glossy, 1e-30);
+    return lobes;
+}
+
+// Returns the coat's reflectance for the cosine of the angle to a facet's normal.
+fn coat_schlick(lobes: Lobes, cosine: f32) -> f32 {
+    return lobes.coat * (COAT_REFLECTANCE + (1.0 - COAT_REFLECTANCE) * pow(1.0 - cosine, 5.0));
 }
 
 // Returns the probability that a path follows the highlight, mirror or glass rather than diffuse reflection.

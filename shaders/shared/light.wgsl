@@ -14,6 +14,8 @@ struct Surfaces {
     specular: F3,
     grazing: F3,            // what a highlight by facets adds to `specular` at grazing angles
     exponent: F,            // Phong's exponent, or alpha of facets
+    coat: F,                // share of the surface under a clear coat
+    coat_alpha: F,          // width of the coat's highlight
     emission: F3,
     sends: U,               // 1 for mirrors, glass and veils, which are shaded later
 }

@@ -1,6 +1,6 @@
 // The look of surfaces to paths: their lobes, with textures.
 
-//! use facets, fetch, lane, materials, planes, rays, table, textures, triangle
+//! use facets, fetch, lane, materials, octahedral, planes, rays, table, textures, triangle
 
 //! if light is paths
 struct Look {
@@ -60,8 +60,26 @@ fn look_at(rays: Rays, hits: Hits, surface: Surface, material: Material, factor:
         look.lobes.glossy = 1.0;
         if !surface.from_outside && !principled.is_thin { look.left = exp(-principled.absorption); }
     } else {
-        look.lobes = with_highlights(look.lobes, principled.dielectric, base, metallic, alpha, facing);
+        let at_normal = (principled.index - 1.0) / (principled.index + 1.0);
+        let dielectric = at_normal * at_normal * principled.specular;
+        look.lobes = with_highlights(look.lobes, dielectric, principled.grazing, base, metallic, alpha, facing);
     }
+    return coated(look, rays, hits, surface, facing, ray);
+}
+
+//! if light is paths and principled is some and coats is none
+fn coated(look: Look, rays: Rays, hits: Hits, surface: Surface, facing: f32, ray: u32) -> Look { return look; }
+
+//! if light is paths and principled is some and coats is some
+// Adds a surface's clear coat, which also covers what emits light.
+fn coated(bare: Look, rays: Rays, hits: Hits, surface: Surface, facing: f32, ray: u32) -> Look {
+    let coat = coat_at(surface.material);
+    if coat.share <= 0.0 { return bare; }
+    let share = coat.share * map_color(rays, hits, surface, coat.texture, ray).x;
+    let roughness = coat.roughness * map_color(rays, hits, surface, coat.roughness_texture, ray).y;
+    var look = bare;
+    look.lobes = with_coat(bare.lobes, share, roughness * roughness, facing);
+    look.emission *= 1.0 - look.lobes.coat_chance * look.lobes.glossy;
     return look;
 }
 
@@ -89,30 +107,69 @@ fn mapped_normal(rays: Rays, hits: Hits, surface: Surface, of_map: Principled, t
 }
 
 //! if light is paths and principled is some and textures is some
-// Returns a normal from a texture in tangent space. Tangents are those of the triangle's texture coordinates.
+// Returns a normal from a texture in tangent space.
 fn mapped_normal(rays: Rays, hits: Hits, surface: Surface, of_map: Principled, to_viewer: vec3f, ray: u32) -> vec3f {
-    let slot = of_ray_u(hits.slot, ray);
     if surface.reach == 0.0 { return surface.shading_normal; }
-    let corners = triangle_corners(slot);
-    let uv = triangle_uv(slot);
-    let e = largest_one(corners[1] - corners[0]);
-    let f = (corners[2] - corners[0]) * (length(e) / max(length(corners[1] - corners[0]), 1e-30));
-    let a = uv[1] - uv[0];
-    let b = uv[2] - uv[0];
-    let turned = a.x * b.y - b.x * a.y;
     let side = select(-1.0, 1.0, surface.from_outside);
     let normal = surface.shading_normal * side;
-    var tangent = (e * b.y - f * a.y) * sign(turned);
-    tangent -= normal * dot(normal, tangent);
-    let squared = dot(tangent, tangent);
-    if !(squared > 0.0) { return surface.shading_normal; }
-    tangent *= inverseSqrt(squared);
-    let up = cross(normal, tangent) * sign(dot(cross(normal, tangent), (f * a.x - e * b.x) * sign(turned)));
+    let sides = tangents_at(rays, of_ray_u(hits.slot, ray), normal, ray);
+    if !sides.are_there { return surface.shading_normal; }
     let texel = map_color(rays, hits, surface, of_map.normal_texture, ray) * 2.0 - 1.0;
     let slope = texel.xy * of_map.normal_scale;
-    var mapped = normalize(tangent * slope.x + up * slope.y + normal * max(texel.z, 1e-3)) * side;
+    var mapped = normalize(sides.along_u * slope.x + sides.along_v * slope.y + normal * max(texel.z, 1e-3)) * side;
     // A normal that faces away from the viewer is turned just towards it.
     let facing = dot(mapped, to_viewer);
     if facing < 1e-2 { mapped = normalize(mapped + to_viewer * (1e-2 - facing)); }
     return mapped;
 }
+
+// Unit vectors across a normal, towards growing u and v.
+struct TangentPair {
+    along_u: vec3f,
+    along_v: vec3f,
+    are_there: bool,
+}
+
+fn tangents_at(rays: Rays, slot: u32, normal: vec3f, ray: u32) -> TangentPair {
+    let corners = triangle_corners(slot);
+    let words = corner_tangents(slot);
+    var pair: TangentPair;
+    var tangent = vec3f(0.0);
+    var sign_of_v = 1.0;
+    if words.y != 0u {
+        let weights = corner_weights(rays, corners, ray);
+        let a = corner_tangent(words.x, words.x >> 10u);
+        let b = corner_tangent(words.x >> 20u, words.y);
+        let c = corner_tangent(words.y >> 10u, words.y >> 20u);
+        tangent = a * weights.x + b * weights.y + c * weights.z;
+        sign_of_v = select(1.0, -1.0, (words.x & 0x40000000u) != 0u);
+    } else {
+        // The tangents of the triangle's texture coordinates.
+        let uv = triangle_uv(slot);
+        let e = largest_one(corners[1] - corners[0]);
+        let f = (corners[2] - corners[0]) * (length(e) / max(length(corners[1] - corners[0]), 1e-30));
+        let a = uv[1] - uv[0];
+        let b = uv[2] - uv[0];
+        let turned = sign(a.x * b.y - b.x * a.y);
+        tangent = (e * b.y - f * a.y) * turned;
+        sign_of_v = sign(dot(cross(normal, tangent), (f * a.x - e * b.x) * turned));
+    }
+    tangent -= normal * dot(normal, tangent);
+    let squared = dot(tangent, tangent);
+    if !(squared > 0.0) { return pair; }
+    pair.along_u = tangent * inverseSqrt(squared);
+    pair.along_v = cross(normal, pair.along_u) * sign_of_v;
+    pair.are_there = true;
+    return pair;
+}
+
+// Unpacks a corner's tangent from the lower 10 bits of two words (pack_tangents in src/accel/bvh/primitive.rs).
+fn corner_tangent(x: u32, y: u32) -> vec3f {
+    return from_octahedron(vec2f(vec2u(x, y) & vec2u(1023u)) / 511.0 - 1.0);
+}
+
+//! if light is paths and principled is some and textures is some and uv is none
+fn corner_tangents(slot: u32) -> vec2u { return vec2u(0u); }
+
+//! if light is paths and principled is some and textures is some and uv is some
+fn corner_tangents(slot: u32) -> vec2u { return primitive_texel(slot, UV_TEXEL + 1u).zw; }

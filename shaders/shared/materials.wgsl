@@ -59,7 +59,8 @@ fn sends_rays(material: u32) -> bool {
 }
 
 //! if principled is some
-// A physically based surface, which has six more texels. Textures are numbers plus one, or 0.
+// A physically based surface, which has six more texels, or seven if some material of the scene has a clear coat.
+// Textures are numbers plus one, or 0.
 struct Principled {
     base: vec3f,                  // fifth texel
     is_there: bool,
@@ -71,7 +72,7 @@ struct Principled {
     index: f32,
     roughness_texture: u32,       // its green
     metallic_texture: u32,        // its blue; above the flags of the fifth texel
-    dielectric: vec3f,            // eighth texel: reflectance of a dielectric at normal incidence
+    grazing: f32,                 // eighth texel: reflectance of a dielectric at grazing angles
     normal_texture: u32,
     absorption: vec3f,            // ninth texel
     normal_scale: f32,
@@ -84,7 +85,7 @@ fn principled_at(material: u32) -> Principled {
     let base = table_texel(first);
     let emission = table_texel(first + 1u);
     let shape = table_texel(first + 2u);
-    let dielectric = table_texel(first + 3u);
+    let edge = table_texel(first + 3u);
     let absorption = table_texel(first + 4u);
     let specular = table_texel(first + 5u);
     var found: Principled;
@@ -98,11 +99,25 @@ fn principled_at(material: u32) -> Principled {
     found.index = bitcast<f32>(shape.z);
     found.roughness_texture = shape.w;
     found.metallic_texture = base.w >> 8u;
-    found.dielectric = bitcast<vec3f>(dielectric.xyz);
-    found.normal_texture = dielectric.w;
+    found.grazing = bitcast<f32>(edge.x);
+    found.normal_texture = edge.w;
     found.absorption = bitcast<vec3f>(absorption.xyz);
     found.normal_scale = bitcast<f32>(absorption.w);
     found.specular = bitcast<vec3f>(specular.xyz);
     found.transmission = bitcast<f32>(specular.w);
     return found;
+}
+
+//! if coats is some
+// A clear coat: the eleventh texel.
+struct Coat {
+    share: f32,
+    roughness: f32,
+    texture: u32,              // its red multiplies the share
+    roughness_texture: u32,    // its green
+}
+
+fn coat_at(material: u32) -> Coat {
+    let found = table_texel(first_texel(material) + 10u);
+    return Coat(bitcast<f32>(found.x), bitcast<f32>(found.y), found.z, found.w);
 }

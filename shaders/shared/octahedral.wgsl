@@ -14,7 +14,10 @@ fn octahedral(normal: vec3f) -> u32 {
 }
 
 fn from_octahedral(packed: u32) -> vec3f {
-    let flat = unpack2x16snorm(packed);
+    return from_octahedron(unpack2x16snorm(packed));
+}
+
+fn from_octahedron(flat: vec2f) -> vec3f {
     let z = 1.0 - abs(flat.x) - abs(flat.y);
     return normalize(vec3f(select(flat, folded(flat), z < 0.0), z));
 }

@@ -14,7 +14,7 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
 }
 
 fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> FourShine {
-    return FourShine(vec4f(0.0), vec4f(0.0));
+    return FourShine(vec4f(0.0), vec4f(0.0), vec4f(0.0));
 }
 
 //! if shine is some
@@ -77,7 +77,7 @@ fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u3
     let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
     let cosine = 2.0 * facing * dot(n, to_eye) - back;
     let seen = lobe_of_four(of_ray(surfaces.exponent, ray), cosine, facing);
-    return FourShine(select(vec4f(0.0), seen, rays.wanted & (cosine > vec4f(0.0))), vec4f(0.0));
+    return FourShine(select(vec4f(0.0), seen, rays.wanted & (cosine > vec4f(0.0))), vec4f(0.0), vec4f(0.0));
 }
 
 //! if shine is facets
@@ -93,6 +93,10 @@ fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, mater
     shining.grazing = with_ray3(surfaces.grazing, ray, lobes.grazing);
     shining.exponent = with_ray(surfaces.exponent, ray, select(lobes.alpha, 0.0, lobes.is_glass));
     shining.emission = with_ray3(surfaces.emission, ray, look.emission);
+    if COATS {
+        shining.coat = with_ray(surfaces.coat, ray, lobes.coat);
+        shining.coat_alpha = with_ray(surfaces.coat_alpha, ray, lobes.coat_alpha);
+    }
     return shining;
 }
 
@@ -106,20 +110,40 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
     let facing = -dot3(normal, from_light);
     let seen = max(dot3(normal, to_eye), F(1e-4));
     let upright = clamp(dot3(normal, half_way), F(0.0), F(1.0));
-    let squared = surfaces.exponent * surfaces.exponent;
+    let grazing = pow(clamp(1.0 + dot3(from_light, half_way), F(0.0), F(1.0)), F(5.0));
+    let color = add3(surfaces.specular, times3(surfaces.grazing, grazing));
+    var shine = times3(color, facet_share(surfaces.exponent, upright, facing, seen));
+    if COATS {
+        let share = surfaces.coat * facet_share(surfaces.coat_alpha, upright, facing, seen);
+        let above = share * (COAT_REFLECTANCE + (1.0 - COAT_REFLECTANCE) * grazing);
+        shine = add3(shine, F3(above, above, above));
+    }
+    return shine;
+}
+
+// Returns the share of light that facets of reflectance 1 send to the eye, for the cosines of the angles between the
+// normal and the facet, the light and the eye.
+fn facet_share(alpha: F, upright: F, facing: F, seen: F) -> F {
+    let squared = alpha * alpha;
     let d = upright * upright * (squared - 1.0) + 1.0;
     let a = facing * sqrt(seen * seen * (1.0 - squared) + squared);
     let b = seen * sqrt(facing * facing * (1.0 - squared) + squared);
     let share = squared * facing * 0.5 / max(d * d * (a + b), F(1e-30));
-    let grazing = pow(clamp(1.0 + dot3(from_light, half_way), F(0.0), F(1.0)), F(5.0));
-    let color = add3(surfaces.specular, times3(surfaces.grazing, grazing));
-    return times3(color, select(F(0.0), share, (facing > F(0.0)) & (surfaces.exponent > F(LEAST_ALPHA))));
+    return select(F(0.0), share, (facing > F(0.0)) & (alpha > F(LEAST_ALPHA)));
+}
+
+fn four_facet_shares(alpha: f32, upright: vec4f, facing: vec4f, seen: f32) -> vec4f {
+    let squared = alpha * alpha;
+    let d = upright * upright * (squared - 1.0) + 1.0;
+    let a = facing * sqrt(seen * seen * (1.0 - squared) + squared);
+    let b = seen * sqrt(facing * facing * (1.0 - squared) + squared);
+    let share = squared * facing * 0.5 / max(d * d * (a + b), vec4f(1e-30));
+    return select(vec4f(0.0), share, (facing > vec4f(0.0)) & vec4<bool>(alpha > LEAST_ALPHA));
 }
 
 fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> FourShine {
     let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
     let n = aim.shading_normal;
-    let alpha = of_ray(surfaces.exponent, ray);
     let x = rays.x + to_eye.x;
     let y = rays.y + to_eye.y;
     let z = rays.z + to_eye.z;
@@ -128,25 +152,28 @@ fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u3
     let upright = clamp((x * n.x + y * n.y + z * n.z) * scale, vec4f(0.0), vec4f(1.0));
     let aside = clamp((x * to_eye.x + y * to_eye.y + z * to_eye.z) * scale, vec4f(0.0), vec4f(1.0));
     let seen = max(dot(n, to_eye), 1e-4);
-    let squared = alpha * alpha;
-    let d = upright * upright * (squared - 1.0) + 1.0;
-    let a = facing * sqrt(seen * seen * (1.0 - squared) + squared);
-    let b = seen * sqrt(facing * facing * (1.0 - squared) + squared);
-    let share = squared * facing * 0.5 / max(d * d * (a + b), vec4f(1e-30));
-    let plain = select(vec4f(0.0), share, rays.wanted & (facing > vec4f(0.0)) & vec4<bool>(alpha > LEAST_ALPHA));
-    return FourShine(plain, plain * pow(1.0 - aside, vec4f(5.0)));
+    let grazing = pow(1.0 - aside, vec4f(5.0));
+    let wanted = select(vec4f(0.0), vec4f(1.0), rays.wanted);
+    let plain = four_facet_shares(of_ray(surfaces.exponent, ray), upright, facing, seen) * wanted;
+    var shine = FourShine(plain, plain * grazing, vec4f(0.0));
+    if COATS {
+        let share = four_facet_shares(of_ray(surfaces.coat_alpha, ray), upright, facing, seen) * wanted;
+        let above = COAT_REFLECTANCE + (1.0 - COAT_REFLECTANCE) * grazing;
+        shine.coat = of_ray(surfaces.coat, ray) * share * above;
+    }
+    return shine;
 }
 
 //! if shine is none or some or normalised
-// Returns the highlight's colour under light of an intensity, from the mean of its highlights.
-fn shine_color(surfaces: Surfaces, intensity: vec3f, plain: f32, grazing: f32, ray: u32) -> vec3f {
+// Returns the highlight's colour under light of an intensity, from the means of `FourShine`.
+fn shine_color(surfaces: Surfaces, intensity: vec3f, sums: vec3f, ray: u32) -> vec3f {
     let color = of_ray3(surfaces.specular, ray) * intensity;
-    return color * plain;
+    return color * sums.x;
 }
 
 //! if shine is facets
-fn shine_color(surfaces: Surfaces, intensity: vec3f, plain: f32, grazing: f32, ray: u32) -> vec3f {
-    return intensity * (of_ray3(surfaces.specular, ray) * plain + of_ray3(surfaces.grazing, ray) * grazing);
+fn shine_color(surfaces: Surfaces, intensity: vec3f, sums: vec3f, ray: u32) -> vec3f {
+    return intensity * (of_ray3(surfaces.specular, ray) * sums.x + of_ray3(surfaces.grazing, ray) * sums.y + sums.z);
 }
 
 //! end
@@ -155,10 +182,11 @@ fn kept_above(mirrored: vec3f, geometric_normal: vec3f) -> vec3f {
     return mirrored + geometric_normal * max(0.0, 1e-4 - dot(mirrored, geometric_normal));
 }
 
-// Highlights along four rays: the factors of a surface's `specular` and of its `grazing`.
+// Highlights along four rays: factors of a surface's `specular` and of its `grazing`, and the highlight of its coat.
 struct FourShine {
     plain: vec4f,
     grazing: vec4f,
+    coat: vec4f,
 }
 
 //! if mirrors is none or followed

@@ -88,7 +88,17 @@ fn reflectance_of(vertex: Vertex, to_light: vec3f) -> Reflected {
         let facets = facet_density(lobes.alpha, clamp(dot(half_way, vertex.normal), 0.0, 1.0));
         let share = facets * facet_visibility(lobes.alpha, cosine, facing) * cosine;
         result.glossy = schlick(lobes, clamp(dot(half_way, to_light), 0.0, 1.0)) * share;
-        result.glossy_density = chance * lobes.opacity * facets * bounded_density(lobes.alpha, facing);
+        let density = facets * bounded_density(lobes.alpha, facing);
+        result.glossy_density = chance * (1.0 - lobes.coat_chance) * lobes.opacity * density;
+    }
+    if COATS && lobes.coat > 0.0 && lobes.coat_alpha > LEAST_ALPHA {
+        let facing = max(dot(vertex.normal, vertex.to_viewer), 1e-4);
+        let half_way = normalize(to_light + vertex.to_viewer);
+        let facets = facet_density(lobes.coat_alpha, clamp(dot(half_way, vertex.normal), 0.0, 1.0));
+        let share = facets * facet_visibility(lobes.coat_alpha, cosine, facing) * cosine;
+        result.glossy += coat_schlick(lobes, clamp(dot(half_way, to_light), 0.0, 1.0)) * share;
+        let density = facets * bounded_density(lobes.coat_alpha, facing);
+        result.glossy_density += chance * lobes.coat_chance * lobes.opacity * density;
     }
     return result;
 }
@@ -124,19 +134,27 @@ fn scattered(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
         result.weight = vec3f(1.0 / (1.0 - chance));
         result.density = (1.0 - chance) * lobes.opacity * max(dot(vertex.normal, result.direction), 0.0) * INVERSE_PI;
         result.is_diffuse = true;
-    } else if lobes.is_glass {
+        return result;
+    }
+    if lobes.is_glass {
         result = through_glass(vertex, chosen / chance, at);
         result.weight /= chance;
-    } else if lobes.alpha <= LEAST_ALPHA {
+        return result;
+    }
+    let in_coat = COATS && chosen < chance * lobes.coat_chance;
+    let alpha = select(lobes.alpha, lobes.coat_alpha, in_coat);
+    if alpha <= LEAST_ALPHA {
         let cosine = dot(vertex.normal, vertex.to_viewer);
         let mirrored = vertex.normal * (2.0 * cosine) - vertex.to_viewer;
         result.direction = normalize(kept_above(mirrored, vertex.geometric_normal));
         result.side = 1.0;
-        result.weight = schlick(lobes, clamp(cosine, 0.0, 1.0)) / chance;
+        let upright = clamp(cosine, 0.0, 1.0);
+        result.weight = select(schlick(lobes, upright), vec3f(coat_schlick(lobes, upright)), in_coat);
+        result.weight /= chance * select(1.0 - lobes.coat_chance, lobes.coat_chance, in_coat);
     } else {
         let facing = max(dot(vertex.normal, vertex.to_viewer), 1e-4);
-        let bound = bound_of(lobes.alpha, facing);
-        let facet = facet_towards(vertex.normal, vertex.to_viewer, lobes.alpha, bound, at);
+        let bound = bound_of(alpha, facing);
+        let facet = facet_towards(vertex.normal, vertex.to_viewer, alpha, bound, at);
         result.direction = normalize(facet * (2.0 * dot(vertex.to_viewer, facet)) - vertex.to_viewer);
         let there = reflectance_of(vertex, result.direction);
         result.density = there.glossy_density;

@@ -78,6 +78,11 @@ fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u3
                 sums.all_grazing += grazing;
                 sums.open_grazing += select(vec4f(0.0), grazing, open);
             }
+            if COATS {
+                let coat = shine.coat * rays.fade;
+                sums.all_coat += coat;
+                sums.open_coat += select(vec4f(0.0), coat, open);
+            }
         }
         group += 1u;
         if 4u * group >= aim.count { break; }
@@ -86,10 +91,12 @@ fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u3
     var diffuse = sum_of_four(sums.open);
     var shine = sum_of_four(sums.open_shine);
     var grazing = sum_of_four(sums.open_grazing);
+    var coat = sum_of_four(sums.open_coat);
     if known >= 0.0 {
         diffuse = all * known;
         shine = sum_of_four(sums.all_shine) * known;
         grazing = sum_of_four(sums.all_grazing) * known;
+        coat = sum_of_four(sums.all_coat) * known;
     } else {
         keep_share(light, slot, ray, diffuse, all);
     }
@@ -97,8 +104,7 @@ fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u3
     if aim.kind != SURROUNDINGS { intensity = shading_vector(LIGHTS + LIGHT_TEXELS * light + 1u); }
     var arrived = Arrived(intensity * (diffuse / f32(aim.count)), vec3f(0.0));
     if SHINE {
-        let count = f32(aim.count);
-        arrived.shine = shine_color(surfaces, intensity, shine / count, grazing / count, ray);
+        arrived.shine = shine_color(surfaces, intensity, vec3f(shine, grazing, coat) / f32(aim.count), ray);
     }
     return arrived;
 }
@@ -200,6 +206,8 @@ struct Shares {
     open_shine: vec4f,
     all_grazing: vec4f,
     open_grazing: vec4f,
+    all_coat: vec4f,
+    open_coat: vec4f,
 }
 
 //! if surroundings is ambient

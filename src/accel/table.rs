@@ -78,7 +78,7 @@ pub(crate) struct ShadingTable<'a> {
 impl<'a> ShadingTable<'a> {
     pub(crate) fn of(scene: &'a Scene) -> Self {
         let more = |material: &Material| material.shines() || material.sends_rays();
-        let each = material_texels(scene.materials().iter().any(more), scene.has_principled());
+        let each = material_texels(scene.materials().iter().any(more), scene.has_principled(), scene.has_coats());
         Self {
             scene,
             each,
@@ -274,17 +274,23 @@ fn material_of(material: &Material) -> Vec<Texel> {
 }
 
 /// Returns the texels of a physically based surface (`Principled` of materials.wgsl).
-fn principled_of(surface: Option<&Principled>) -> [Texel; 6] {
-    let Some(surface) = surface else { return [[0; 4]; 6] };
+fn principled_of(surface: Option<&Principled>) -> [Texel; 7] {
+    let Some(surface) = surface else { return [[0; 4]; 7] };
     let number = |texture: Option<TextureId>| texture.map_or(0, |texture| texture.0 + 1);
     let shape = Vec3::new(surface.metallic, surface.roughness, surface.index);
     [
         texel(surface.base, 1 | u32::from(surface.thin) << 1 | number(surface.metallic_texture) << 8),
         texel(surface.emission, number(surface.emission_texture)),
         texel(shape, number(surface.roughness_texture)),
-        texel(surface.normal_reflectance() * surface.specular, number(surface.normal_texture)),
+        [surface.grazing.to_bits(), 0, 0, number(surface.normal_texture)],
         texel(surface.absorption, surface.normal_scale.to_bits()),
         texel(surface.specular, surface.transmission.to_bits()),
+        [
+            surface.clearcoat.to_bits(),
+            surface.clearcoat_roughness.to_bits(),
+            number(surface.clearcoat_texture),
+            number(surface.clearcoat_roughness_texture),
+        ],
     ]
 }
 

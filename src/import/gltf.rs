@@ -10,6 +10,7 @@ mod document;
 mod lights;
 mod materials;
 mod meshes;
+mod more;
 mod nodes;
 mod textures;
 

@@ -65,10 +65,11 @@ impl TexelPlaces {
 }
 
 /// Returns the number of texels per material in the shading table. `more` says whether some material has highlights,
-/// emits light, or reflects or transmits rays, and `principled` whether some material is physically based.
-pub(crate) fn material_texels(more: bool, principled: bool) -> usize {
+/// emits light, or reflects or transmits rays. `principled` says whether some material is physically based, and `coats`
+/// whether some has a clear coat.
+pub(crate) fn material_texels(more: bool, principled: bool, coats: bool) -> usize {
     match (more, principled) {
-        (_, true) => 10,
+        (_, true) => 10 + usize::from(coats),
         (true, false) => 4,
         (false, false) => 1,
     }
@@ -137,6 +138,8 @@ pub(crate) struct Variant {
     pub(crate) normalised: bool,
     /// Whether some material is physically based.
     pub(crate) principled: bool,
+    /// Whether some material has a clear coat.
+    pub(crate) coats: bool,
     /// Whether some surface reflects or transmits rays: a mirror, glass or a transparent surface.
     pub(crate) mirrors: bool,
     /// Whether some material, and so possibly some triangle, is cut out.
@@ -204,6 +207,7 @@ impl Variant {
         shine: false,
         normalised: false,
         principled: false,
+        coats: false,
         mirrors: false,
         cutouts: false,
         lights: false,
@@ -250,6 +254,7 @@ impl Variant {
             textures: scene.is_textured(),
             shine: scene.materials().iter().any(Material::shines),
             principled: scene.has_principled(),
+            coats: scene.has_coats(),
             normalised: scene.materials().iter().any(Material::shines_normalised),
             mirrors: (triangles || balls || planes > 0) && scene.materials().iter().any(Material::sends_rays),
             cutouts: triangles && scene.is_cut_out(),
@@ -309,6 +314,7 @@ impl Variant {
                 traversal: self.traversal.rays(RaysPerLane::One),
                 paths: true,
                 principled: self.principled,
+                coats: self.coats,
                 shine: self.shine,
                 soft_lights: self.soft_lights,
                 fading: self.fading,

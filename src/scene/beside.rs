@@ -3,37 +3,59 @@
 
 use std::ops::Range;
 
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 
-use super::{Material, Mesh, Scene, Texture, Triangle, mesh::Object};
+use super::{Material, Mesh, Scene, Texture, Triangle, mesh::Object, tangents::transformed_tangent};
 
 /// Texture coordinates of triangles that have none: zero.
 const NO_UV: [Vec2; 3] = [Vec2::ZERO; 3];
 /// Vertex colours of triangles that have none: white, which leaves the albedo unchanged.
 const NO_COLORS: [Vec3; 3] = [Vec3::ONE; 3];
 
-/// Texture coordinates and colours at the corners of triangles.
+/// Tangents of triangles that have none.
+const NO_TANGENTS: [Vec4; 3] = [Vec4::ZERO; 3];
+
+/// Texture coordinates, colours and tangents at the corners of triangles.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Beside {
     pub(crate) uv: Vec<[Vec2; 3]>,
     pub(crate) colors: Vec<[Vec3; 3]>,
-    /// Numbers of objects that have texture coordinates, and that have colours.
+    pub(crate) tangents: Vec<[Vec4; 3]>,
+    /// Numbers of objects that have each attribute.
     with_uv: usize,
     with_colors: usize,
+    with_tangents: usize,
 }
 
 impl Beside {
     /// Replaces the attributes of the object `replaced` by a mesh's, or inserts them. `triangles` is the scene's
     /// previous number of triangles.
-    pub(crate) fn replace(&mut self, range: Range<usize>, mesh: &Mesh, replaced: Option<&Object>, triangles: usize) {
+    pub(crate) fn replace(
+        &mut self,
+        range: Range<usize>,
+        (mesh, tangents): (&Mesh, &[[Vec4; 3]]),
+        replaced: Option<&Object>,
+        triangles: usize,
+    ) {
         let count = mesh.triangles.len();
         // Counting avoids a loop over all objects for each added one, which takes quadratic time.
         self.with_uv -= usize::from(replaced.is_some_and(|object| object.has_uv));
         self.with_uv += usize::from(!mesh.uv.is_empty());
         self.with_colors -= usize::from(replaced.is_some_and(|object| object.has_colors));
         self.with_colors += usize::from(!mesh.colors.is_empty());
+        self.with_tangents -= usize::from(replaced.is_some_and(|object| object.has_tangents));
+        self.with_tangents += usize::from(!tangents.is_empty());
         replace(&mut self.uv, range.clone(), (&mesh.uv, count), self.with_uv > 0, (NO_UV, triangles));
-        replace(&mut self.colors, range, (&mesh.colors, count), self.with_colors > 0, (NO_COLORS, triangles));
+        replace(&mut self.colors, range.clone(), (&mesh.colors, count), self.with_colors > 0, (NO_COLORS, triangles));
+        replace(&mut self.tangents, range, (tangents, count), self.with_tangents > 0, (NO_TANGENTS, triangles));
+    }
+}
+
+impl Beside {
+    /// Transforms the tangents of a range of triangles.
+    pub(super) fn transform_tangents(&mut self, range: Range<usize>, transform: &Affine3A) {
+        let corners = self.tangents.get_mut(range).unwrap_or_default().as_flattened_mut();
+        corners.iter_mut().for_each(|tangent| *tangent = transformed_tangent(*tangent, transform));
     }
 }
 
@@ -64,6 +86,12 @@ impl Scene {
     /// list is empty if no mesh has texture coordinates.
     pub fn uv(&self) -> &[[Vec2; 3]] {
         &self.beside.uv
+    }
+
+    /// Returns the tangents at the corners of each triangle ([`Mesh::tangents`]). They are zero for triangles without
+    /// any. The list is empty if no mesh has tangents.
+    pub fn tangents(&self) -> &[[Vec4; 3]] {
+        &self.beside.tangents
     }
 
     /// Returns whether some surface has a texture or vertex colours.

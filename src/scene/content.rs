@@ -33,7 +33,7 @@ impl Scene {
             ellipsoids,
             planes,
             mesh_objects,
-            beside: Beside { uv, colors, .. },
+            beside: Beside { uv, colors, tangents, .. },
             smooth: _,
             dropped: _,
             dropping_meshes: _,
@@ -44,10 +44,11 @@ impl Scene {
         // Debug formatting of numbers is lossless, so different numbers give different text.
         let small = format!(
             "{lights:?} {shadows} {ambient:?} {sky:?} {origin:?} {materials:?} {textures:?} \
-             {spheres:?} {ellipsoids:?} {planes:?} {names:?} {objects:?} {} {} {}",
+             {spheres:?} {ellipsoids:?} {planes:?} {names:?} {objects:?} {} {} {} {}",
             triangles.len(),
             uv.len(),
             colors.len(),
+            tangents.len(),
         );
         sink(&small.len().to_le_bytes());
         sink(small.as_bytes());
@@ -58,6 +59,7 @@ impl Scene {
         }
         sink(cast_slice(uv));
         sink(cast_slice(colors));
+        sink(cast_slice(tangents));
         for texture in textures {
             if let TextureKind::Image { pixels, .. } = texture.kind() {
                 sink(cast_slice(pixels));
@@ -79,13 +81,13 @@ impl Scene {
 }
 
 /// Record of an object: the index of its name, its first primitive, and whether it has texture coordinates and colours.
-type Written = (usize, u32, bool, bool);
+type Written = (usize, u32, [bool; 3]);
 
 /// Returns the distinct names, and the objects by name index. Thousands of objects may share one long name.
 fn named(objects: &[Object]) -> (Vec<&str>, Vec<Written>) {
     let (mut names, mut by_place, mut by_text) = (Vec::new(), HashMap::new(), HashMap::new());
     let mut written = Vec::with_capacity(objects.len());
-    for Object { name, first_primitive, has_uv, has_colors } in objects {
+    for Object { name, first_primitive, has_uv, has_colors, has_tangents } in objects {
         // The bytes of a shared name are hashed only once.
         let number = *by_place.entry(Arc::as_ptr(name)).or_insert_with(|| {
             *by_text.entry(&**name).or_insert_with(|| {
@@ -93,7 +95,7 @@ fn named(objects: &[Object]) -> (Vec<&str>, Vec<Written>) {
                 names.len() - 1
             })
         });
-        written.push((number, *first_primitive, *has_uv, *has_colors));
+        written.push((number, *first_primitive, [*has_uv, *has_colors, *has_tangents]));
     }
     (names, written)
 }

@@ -2,7 +2,7 @@
 
 use std::{ops::Range, sync::Arc};
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::{
     MaterialId, PRINTED_WARNINGS, Scene,
@@ -45,6 +45,10 @@ pub struct Mesh {
     pub uv: Vec<[Vec2; 3]>,
     /// Three colours per triangle that multiply the albedo, linear RGB, or empty.
     pub colors: Vec<[Vec3; 3]>,
+    /// Three tangents per triangle for normal textures, or empty. A tangent is a unit vector towards growing u. Its w
+    /// is 1 or -1, the factor of `cross(normal, tangent)` towards growing v. Without tangents, a mesh whose materials
+    /// have normal textures gets those of `MikkTSpace` when it is added.
+    pub tangents: Vec<[Vec4; 3]>,
 }
 
 impl Mesh {
@@ -84,6 +88,12 @@ impl Mesh {
         self
     }
 
+    /// Sets three tangents per triangle for normal textures, or none.
+    pub fn tangents(mut self, tangents: Vec<[Vec4; 3]>) -> Self {
+        self.tangents = tangents;
+        self
+    }
+
     pub(crate) fn fault(&self, element: &str, reason: String) -> Error {
         Error::Scene { element: format!("mesh '{}', {element}", self.name), reason }
     }
@@ -106,13 +116,20 @@ impl Mesh {
             let reason = format!("{} for {triangles}; give one, or one per triangle", self.materials.len());
             return Err(("materials".into(), reason));
         }
-        let lists =
-            [("normals", self.normals.len()), ("texture coordinates", self.uv.len()), ("colours", self.colors.len())];
+        let lists = [
+            ("normals", self.normals.len()),
+            ("texture coordinates", self.uv.len()),
+            ("colours", self.colors.len()),
+            ("tangents", self.tangents.len()),
+        ];
         if let Some((what, found)) = lists.into_iter().find(|(_, found)| *found != 0 && *found != count) {
             return Err((what.into(), format!("{found} for {triangles}; give none, or three per triangle")));
         }
         if let Some(index) = self.uv.iter().position(|uv| uv.iter().any(|uv| !uv.is_finite())) {
             return Err((format!("triangle {index}"), "a texture coordinate is not a finite number".into()));
+        }
+        if let Some(index) = self.tangents.iter().position(|corners| corners.iter().any(|one| !one.is_finite())) {
+            return Err((format!("triangle {index}"), "a tangent is not a finite number".into()));
         }
         for (index, colors) in self.colors.iter().enumerate() {
             let check = colors.iter().try_for_each(|color| check_color("a corner's colour", *color));
@@ -129,12 +146,13 @@ pub(crate) struct Object {
     pub(crate) first_primitive: u32,
     pub(crate) has_uv: bool,
     pub(crate) has_colors: bool,
+    pub(crate) has_tangents: bool,
 }
 
 impl Object {
-    pub(crate) fn new(mesh: &Mesh, first_primitive: u32) -> Self {
+    pub(crate) fn new(mesh: &Mesh, has_tangents: bool, first_primitive: u32) -> Self {
         let [has_uv, has_colors] = [!mesh.uv.is_empty(), !mesh.colors.is_empty()];
-        Self { name: mesh.name.clone(), first_primitive, has_uv, has_colors }
+        Self { name: mesh.name.clone(), first_primitive, has_uv, has_colors, has_tangents }
     }
 }
 
@@ -174,7 +192,7 @@ impl Scene {
     /// - an index out of range, or an unknown material,
     /// - a coordinate that is not finite or larger than [`MAX_COORDINATE`](super::MAX_COORDINATE),
     /// - lists whose lengths don't match,
-    /// - a normal, texture coordinate or colour that is not finite, or a negative colour.
+    /// - a normal, tangent, texture coordinate or colour that is not finite, or a negative colour.
     pub fn add_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
         let (first, dropped) = (self.triangles.len(), self.dropped);
         self.push_mesh(mesh)?;
@@ -201,9 +219,10 @@ impl Scene {
     /// Adds a mesh as [`Scene::add_mesh`] does, without a warning about dropped triangles.
     pub(crate) fn push_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
         let triangles = self.checked_triangles(mesh)?;
+        let tangents = self.tangents_of(mesh, &triangles);
         let end = self.triangles.len();
-        self.mesh_objects.push(Object::new(mesh, end as u32));
-        self.beside.replace(end..end, mesh, None, end);
+        self.mesh_objects.push(Object::new(mesh, !tangents.is_empty(), end as u32));
+        self.beside.replace(end..end, (mesh, &tangents), None, end);
         self.replace_triangles(end..end, triangles);
         Ok(())
     }

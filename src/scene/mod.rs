@@ -17,6 +17,7 @@ pub(crate) mod principled;
 mod serialised;
 pub(crate) mod sky;
 pub(crate) mod smooth;
+mod tangents;
 pub(crate) mod texture;
 
 pub(crate) use ellipsoid::ToSphere;
@@ -256,6 +257,7 @@ impl Scene {
         let lists = size_of_val(&*self.triangles)
             + size_of_val(&*self.beside.uv)
             + size_of_val(&*self.beside.colors)
+            + size_of_val(&*self.beside.tangents)
             + size_of_val(&*self.spheres)
             + size_of_val(&*self.ellipsoids)
             + size_of_val(&*self.lights);

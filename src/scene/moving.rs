@@ -76,6 +76,7 @@ impl Scene {
                         reason,
                     })?;
                 }
+                self.beside.transform_tangents(range.clone(), transform);
                 self.replace_and_warn(object, range, moved);
                 Ok(())
             }
@@ -97,9 +98,10 @@ impl Scene {
         for later in &mut self.mesh_objects[object as usize + 1..] {
             later.first_primitive = (later.first_primitive as usize - range.len() + triangles.len()) as u32;
         }
+        let tangents = self.tangents_of(mesh, &triangles);
         let place = &mut self.mesh_objects[object as usize];
-        self.beside.replace(range.clone(), mesh, Some(place), self.triangles.len());
-        *place = Object::new(mesh, place.first_primitive);
+        self.beside.replace(range.clone(), (mesh, &tangents), Some(place), self.triangles.len());
+        *place = Object::new(mesh, !tangents.is_empty(), place.first_primitive);
         self.replace_and_warn(object, range, triangles);
         Ok(())
     }

@@ -41,6 +41,16 @@ pub struct Principled {
     pub index: f32,
     /// Factor of a dielectric's reflectance at normal incidence, linear RGB, 0 to 1; white by default.
     pub specular: Vec3,
+    /// Reflectance of a dielectric at grazing angles, 0 to 1; 1 by default.
+    pub grazing: f32,
+    /// Share of the surface that a clear coat covers, 0 to 1. Its index of refraction is 1.5. Glass shows no coat.
+    pub clearcoat: f32,
+    /// Square root of the alpha of the coat's highlights, 0 to 1; 0 is smooth.
+    pub clearcoat_roughness: f32,
+    /// Texture whose red multiplies `clearcoat`.
+    pub clearcoat_texture: Option<TextureId>,
+    /// Texture whose green multiplies `clearcoat_roughness`.
+    pub clearcoat_roughness_texture: Option<TextureId>,
     /// Share of the light that enters a dielectric and is transmitted rather than scattered, 0 to 1.
     pub transmission: f32,
     /// Whether the surface is thin: transmitted light is not refracted.
@@ -68,6 +78,11 @@ impl Principled {
             metallic_texture: None,
             index: 1.5,
             specular: Vec3::ONE,
+            grazing: 1.0,
+            clearcoat: 0.0,
+            clearcoat_roughness: 0.0,
+            clearcoat_texture: None,
+            clearcoat_roughness_texture: None,
             transmission: 0.0,
             thin: false,
             absorption: Vec3::ZERO,
@@ -90,6 +105,12 @@ impl Principled {
         self
     }
 
+    /// Sets a clear coat: the share of the surface that it covers, and its roughness, both 0 to 1.
+    pub fn clearcoat(mut self, share: f32, roughness: f32) -> Self {
+        (self.clearcoat, self.clearcoat_roughness) = (share, roughness);
+        self
+    }
+
     /// Sets the index of refraction, 0.1 to 10.
     pub fn index(mut self, index: f32) -> Self {
         self.index = index;
@@ -109,13 +130,14 @@ impl Principled {
             ("metallic_texture", self.metallic_texture),
             ("normal_texture", self.normal_texture),
             ("emission_texture", self.emission_texture),
+            ("clearcoat_texture", self.clearcoat_texture),
+            ("clearcoat_roughness_texture", self.clearcoat_roughness_texture),
         ];
         all.into_iter().filter_map(|(name, texture)| Some((name, texture?)))
     }
 
-    /// Returns the reflectance of a dielectric at normal incidence, without `specular`.
-    pub(crate) fn normal_reflectance(&self) -> f32 {
-        ((self.index - 1.0) / (self.index + 1.0)).powi(2)
+    pub(crate) fn is_coated(&self) -> bool {
+        self.clearcoat > 0.0
     }
 
     /// # Errors
@@ -131,6 +153,9 @@ impl Principled {
         check_within("metallic", self.metallic, &shares)?;
         check_within("roughness", self.roughness, &shares)?;
         check_within("transmission", self.transmission, &shares)?;
+        check_within("grazing", self.grazing, &shares)?;
+        check_within("clearcoat", self.clearcoat, &shares)?;
+        check_within("clearcoat_roughness", self.clearcoat_roughness, &shares)?;
         check_within("normal_scale", self.normal_scale, &(-1e3..=1e3))?;
         check_within("index", self.index, &INDICES)
     }
@@ -153,6 +178,11 @@ impl Scene {
     /// Returns whether some material is physically based.
     pub(crate) fn has_principled(&self) -> bool {
         self.materials.iter().any(|material| material.principled.is_some())
+    }
+
+    /// Returns whether some material has a clear coat.
+    pub(crate) fn has_coats(&self) -> bool {
+        self.materials.iter().any(|material| material.principled.is_some_and(|surface| surface.is_coated()))
     }
 }
 

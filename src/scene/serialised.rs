@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 use super::{
@@ -34,13 +34,15 @@ struct GivenMesh<'a> {
     triangles: Cow<'a, [Triangle]>,
     uv: Cow<'a, [[Vec2; 3]]>,
     colors: Cow<'a, [[Vec3; 3]]>,
+    #[serde(default)]
+    tangents: Cow<'a, [[Vec4; 3]]>,
 }
 
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         // All fields are named, so that a new field gives a compile error here. Omitted fields follow from others.
         let Self { lights, shadows, ambient, sky, origin, materials, textures, triangles, .. } = self;
-        let Self { spheres, ellipsoids, planes, mesh_objects, beside: Beside { uv, colors, .. }, .. } = self;
+        let Self { spheres, ellipsoids, planes, mesh_objects, beside: Beside { uv, colors, tangents, .. }, .. } = self;
         let Self { smooth: _, dropped: _, dropping_meshes: _, .. } = self;
         let Self { triangles_stamp: _, spheres_stamp: _, .. } = self;
         let ends = mesh_objects.iter().skip(1).map(|next| next.first_primitive as usize).chain([triangles.len()]);
@@ -50,7 +52,8 @@ impl Serialize for Scene {
                 name: Cow::Borrowed(&object.name),
                 triangles: triangles[range.clone()].into(),
                 uv: if object.has_uv { &uv[range.clone()] } else { &[] }.into(),
-                colors: if object.has_colors { &colors[range] } else { &[] }.into(),
+                colors: if object.has_colors { &colors[range.clone()] } else { &[] }.into(),
+                tangents: if object.has_tangents { &tangents[range] } else { &[] }.into(),
             }
         });
         let given = GivenScene {
@@ -94,7 +97,8 @@ fn scene(given: GivenScene<'_>) -> Result<Scene, Error> {
         let normals = mesh.triangles.iter().map(|triangle| triangle.normals).collect();
         let added = Mesh::new(corners, triangles).name(mesh.name).materials(materials).normals(normals);
         // Dropped triangles were logged when the mesh was first added.
-        scene.push_mesh(&added.uv(mesh.uv.into_owned()).colors(mesh.colors.into_owned()))?;
+        let added = added.uv(mesh.uv.into_owned()).colors(mesh.colors.into_owned());
+        scene.push_mesh(&added.tangents(mesh.tangents.into_owned()))?;
     }
     given.spheres.iter().try_for_each(|sphere| scene.add_sphere(*sphere))?;
     given.ellipsoids.iter().try_for_each(|ellipsoid| scene.add_ellipsoid(*ellipsoid))?;

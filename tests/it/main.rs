@@ -34,6 +34,7 @@ mod limits;
 mod memory;
 mod mirrors;
 mod moving;
+mod normal_maps;
 mod numbers;
 mod obj;
 mod passes;

@@ -99,8 +99,7 @@ fn denoised_passes_are_as_good_as_a_denoised_frame() {
     let converged = renderer.pair(&scene, &room_camera()).options(&by_paths(2048)).read().wait().unwrap();
     let frame = renderer.pair(&scene, &room_camera()).options(&by_paths(16).denoise(true)).read().wait().unwrap();
     let mut passes = Passes::new();
-    let pairs: Vec<_> =
-        (0..4).map(|_| pass(&mut renderer, &scene, &by_paths(4).denoise(true), &mut passes)).collect();
+    let pairs: Vec<_> = (0..4).map(|_| pass(&mut renderer, &scene, &by_paths(4).denoise(true), &mut passes)).collect();
     let errors = [&pairs[0], &pairs[3], &frame].map(|pair| apart(&pair.left, &converged.left));
     println!("{errors:?}");
     assert!(errors[1] < 0.8 * errors[0] && (errors[1] / errors[2] - 1.0).abs() < 0.1, "{errors:?}");

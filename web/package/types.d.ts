@@ -173,6 +173,44 @@ export interface Material {
     finish?: "matte" | "mirror" | "glass";
     /** Refractive index of glass. Default 1.5. */
     index?: number;
+    /** A physically based surface, in place of `albedo`, `specular`, `exponent` and `finish`. */
+    surface?: Surface;
+}
+
+/**
+ * A physically based surface (metallic-roughness, as glTF 2.0 has it), which light by paths shows. Direct light shows
+ * Phong's approximation of it. Textures are ids; they multiply the values of these names.
+ */
+export interface Surface {
+    /** Diffuse reflectance of a dielectric, or reflectance of a metal. Default 0.8. `texture` multiplies it. */
+    base?: Vector;
+    /** 0 for a dielectric, 1 for a metal. Default 0. */
+    metallic?: number;
+    /** 0, smooth, to 1. Default 0.5. */
+    roughness?: number;
+    /** Refractive index of a dielectric. Default 1.5. */
+    index?: number;
+    /** Factor of a dielectric's reflectance at normal incidence. Default white. */
+    specular?: Vector;
+    /** Share of the light that enters a dielectric and is transmitted, 0 to 1. Default 0. */
+    transmission?: number;
+    /** Whether transmitted light is not refracted. Default false. */
+    thin?: boolean;
+    /** Light that is absorbed inside per world unit. Default black. */
+    absorption?: Vector;
+    /** Share of the surface under a clear coat, 0 to 1. Default 0. */
+    clearcoat?: number;
+    /** Roughness of the clear coat, 0 to 1. Default 0. */
+    clearcoatRoughness?: number;
+    /** Factor of the normals' x and y. Default 1. */
+    normalScale?: number;
+    /** Its green multiplies the roughness. */
+    roughnessTexture?: number;
+    /** Its blue multiplies `metallic`. */
+    metallicTexture?: number;
+    /** Normals in tangent space, with green up. */
+    normalTexture?: number;
+    emissionTexture?: number;
 }
 
 /** A point light, or with a radius a spherical light, whose shadows have a penumbra. Lengths are in world units. */

@@ -10,8 +10,8 @@ use std::{
 use js_sys::{Float32Array, Object, Uint8Array, Uint32Array};
 use serde::{Deserialize, Serialize};
 use stereotrace::{
-    Builtin, Finish, Light, Limits, Material, MaterialId, Mesh, MissingTextures, Plane, SceneFile, SceneOptions, Sky,
-    Sphere, StereoCamera, Texture, TextureId, Wrap,
+    Builtin, Finish, Light, Limits, Material, MaterialId, Mesh, MissingTextures, Plane, Principled, SceneFile,
+    SceneOptions, Sky, Sphere, StereoCamera, Texture, TextureId, Wrap,
     glam::{DVec3, Vec3},
 };
 use wasm_bindgen::{JsCast, prelude::*};
@@ -161,12 +161,14 @@ impl Scene {
         Ok(self.shared.change(|scene| scene.add_material(material)).0)
     }
 
-    /// Adds a texture for materials and returns its id. `wrap` is for texture coordinates outside 0 to 1.
+    /// Adds a texture for materials and returns its id. `wrap` is for texture coordinates outside 0 to 1. `data` says
+    /// that the image holds linear numbers, such as roughness or normals, and not colours.
     #[wasm_bindgen(js_name = addTexture)]
     pub fn add_texture(
         &self,
         image: &ImageData,
         #[wasm_bindgen(unchecked_optional_param_type = "\"repeat\" | \"mirror\" | \"clamp\"")] wrap: Option<String>,
+        #[wasm_bindgen(unchecked_optional_param_type = "boolean")] data: Option<bool>,
     ) -> Result<u32, JsValue> {
         let wrap = match wrap.as_deref() {
             None | Some("repeat") => Wrap::Repeat,
@@ -176,7 +178,8 @@ impl Scene {
         };
         let pixels = image.data().as_chunks::<4>().0.to_vec();
         let texture = Texture::image(image.width(), image.height(), pixels).map_err(raised)?;
-        Ok(self.shared.change(|scene| scene.add_texture(texture.wrap(wrap))).0)
+        let texture = texture.wrap(wrap).data(data.unwrap_or(false));
+        Ok(self.shared.change(|scene| scene.add_texture(texture)).0)
     }
 
     /// Adds triangles as one object.
@@ -338,10 +341,51 @@ struct GivenMaterial {
     cutout: Option<u32>,
     finish: Option<String>,
     index: Option<f32>,
+    surface: Option<GivenSurface>,
+}
+
+/// `Surface` of `types.d.ts`.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct GivenSurface {
+    base: Option<[f32; 3]>,
+    metallic: Option<f32>,
+    roughness: Option<f32>,
+    index: Option<f32>,
+    specular: Option<[f32; 3]>,
+    transmission: Option<f32>,
+    thin: Option<bool>,
+    absorption: Option<[f32; 3]>,
+    clearcoat: Option<f32>,
+    clearcoat_roughness: Option<f32>,
+    normal_scale: Option<f32>,
+    roughness_texture: Option<u32>,
+    metallic_texture: Option<u32>,
+    normal_texture: Option<u32>,
+    emission_texture: Option<u32>,
+}
+
+fn surface_of(given: &GivenSurface, emission: Vec3) -> Principled {
+    let base = given.base.map_or(Vec3::splat(0.8), Vec3::from_array);
+    let mut surface = Principled::new(base, given.metallic.unwrap_or(0.0), given.roughness.unwrap_or(0.5))
+        .index(given.index.unwrap_or(1.5))
+        .transmission(given.transmission.unwrap_or(0.0))
+        .thin(given.thin.unwrap_or(false))
+        .clearcoat(given.clearcoat.unwrap_or(0.0), given.clearcoat_roughness.unwrap_or(0.0))
+        .emission(emission);
+    surface.specular = given.specular.map_or(Vec3::ONE, Vec3::from_array);
+    surface.absorption = given.absorption.map_or(Vec3::ZERO, Vec3::from_array);
+    surface.normal_scale = given.normal_scale.unwrap_or(1.0);
+    surface.roughness_texture = given.roughness_texture.map(TextureId);
+    surface.metallic_texture = given.metallic_texture.map(TextureId);
+    surface.normal_texture = given.normal_texture.map(TextureId);
+    surface.emission_texture = given.emission_texture.map(TextureId);
+    surface
 }
 
 fn material_of(given: GivenMaterial) -> Result<Material, JsValue> {
-    let GivenMaterial { albedo, specular, exponent, emission, opacity, texture, cutout, finish, index } = given;
+    let GivenMaterial { albedo, specular, exponent, emission, opacity, texture, cutout, finish, index, surface } =
+        given;
     let mut material = Material::new(albedo.map_or(Vec3::splat(0.7), Vec3::from_array));
     material.specular = specular.map_or(material.specular, Vec3::from_array);
     material.exponent = exponent.unwrap_or(material.exponent);
@@ -356,6 +400,14 @@ fn material_of(given: GivenMaterial) -> Result<Material, JsValue> {
     };
     if index.is_some() && !matches!(material.finish, Finish::Glass { .. }) {
         return Err(refused("material.index: it applies to glass; set finish to glass"));
+    }
+    if let Some(surface) = surface {
+        if albedo.is_some() || specular.is_some() || exponent.is_some() || finish.is_some() {
+            let reason = "material.surface: it replaces albedo, specular, exponent and finish; leave them out";
+            return Err(refused(reason));
+        }
+        let surface = surface_of(&surface, material.emission);
+        material = material.principled(surface);
     }
     Ok(material)
 }

@@ -1,6 +1,6 @@
 //! Packs primitives for shaders/shared/primitives.wgsl, ellipsoid.wgsl and planes.wgsl.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::Texel;
 use crate::{
@@ -96,7 +96,11 @@ pub(super) fn push_primitive(primitives: &mut Vec<Texel>, scene: &Scene, compone
         corners.rotate_left(first);
         let [a, b, c] = corners.map(|corner| corner.to_array().map(f32::to_bits));
         primitives[beside] = [a[0], a[1], b[0], b[1]];
-        primitives[beside + 1] = [c[0], c[1], 0, 0];
+        let [tangents, more] = scene.tangents().get(id as usize).map_or([0; 2], |&(mut corners)| {
+            corners.rotate_left(first);
+            pack_tangents(corners)
+        });
+        primitives[beside + 1] = [c[0], c[1], tangents, more];
     }
     if let Some(&(mut corners)) = scene.colors().get(id as usize) {
         corners.rotate_left(first);
@@ -145,11 +149,29 @@ pub(crate) fn reach_bits(corners: [Vec3; 3]) -> u32 {
     longest.next_up().max(f32::MIN_POSITIVE).to_bits().next_multiple_of(1 << 16)
 }
 
+/// Packs three tangents as 10-bit numbers of their octahedral maps, three per word. Bit 30 of the first word is 1 if v
+/// grows against `cross(normal, tangent)`, and that of the second word if there are tangents. `looks.wgsl` unpacks
+/// them.
+fn pack_tangents(corners: [Vec4; 3]) -> [u32; 2] {
+    if corners.iter().any(|tangent| tangent.truncate() == Vec3::ZERO) {
+        return [0; 2];
+    }
+    let place = |tangent: Vec4| octahedral(tangent.truncate()).map(|value| ((value + 1.0) * 511.0).round() as u32);
+    let [[a, b], [c, d], [e, f]] = corners.map(place);
+    let is_against = corners.iter().map(|tangent| tangent.w).sum::<f32>() < 0.0;
+    [a | b << 10 | c << 20 | u32::from(is_against) << 30, d | e << 10 | f << 20 | 1 << 30]
+}
+
 /// Packs a unit vector as two 16-bit snorms (octahedral mapping); `shaders/shared/triangle.wgsl` unpacks it.
 pub(super) fn pack_normal(normal: Vec3) -> u32 {
-    let n = normal / (normal.x.abs() + normal.y.abs() + normal.z.abs());
+    let [x, y] = octahedral(normal).map(|value| (value * 32767.0).round() as i16 as u16);
+    u32::from(x) | u32::from(y) << 16
+}
+
+/// Maps a direction to the square from -1 to 1 (octahedral mapping).
+fn octahedral(direction: Vec3) -> [f32; 2] {
+    let n = direction / (direction.x.abs() + direction.y.abs() + direction.z.abs());
     let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
     let (x, y) = if n.z >= 0.0 { (n.x, n.y) } else { ((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y)) };
-    let snorm = |v: f32| (v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16;
-    u32::from(snorm(x)) | u32::from(snorm(y)) << 16
+    [x, y].map(|value| value.clamp(-1.0, 1.0))
 }

@@ -14,7 +14,10 @@ use base64::{Engine, alphabet, engine};
 use gltf_json::{Buffer, Index, Root, buffer::View};
 use percent_encoding::percent_decode_str;
 
-use super::nodes::{Shifts, shifts};
+use super::{
+    more::{self, MoreOfMaterial},
+    nodes::{Shifts, shifts},
+};
 use crate::{Error, Limits, import::input::Files, import::warnings::Warnings, message::counted};
 
 /// Extension for textures with WebP pictures.
@@ -24,6 +27,7 @@ const WEBP: &str = "EXT_texture_webp";
 /// Extensions that are read or have no effect here.
 const EXTENSIONS: &[&str] = &[
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
@@ -55,6 +59,8 @@ pub(super) struct Document<'a> {
     pub(super) root: Root,
     /// Transforms of each node in f64; `root` has them in f32.
     pub(super) shifts: Vec<Shifts>,
+    /// Further parts of each material; empty if there are none.
+    pub(super) more: Vec<MoreOfMaterial>,
     pub(super) limits: Limits,
     /// Image of each texture that uses the extension [`WEBP`].
     #[cfg(feature = "more-textures")]
@@ -80,6 +86,8 @@ impl<'a> Document<'a> {
         let json = without_mark(&bytes[json]);
         let root = parse(path, json, is_binary, &limits)?;
         let shifts = shifts(json).map_err(|error| fault(format!("invalid glTF JSON: {error}")))?;
+        let more = more::materials(json, &root.extensions_used)
+            .map_err(|error| Error::parse_from(path, None, format!("invalid glTF materials: {error}"), error))?;
         #[cfg(feature = "more-textures")]
         let webp = match root.extensions_used.iter().any(|name| name == WEBP) {
             true => webp_images(json)
@@ -95,6 +103,7 @@ impl<'a> Document<'a> {
             path,
             root,
             shifts,
+            more,
             limits,
             #[cfg(feature = "more-textures")]
             webp,

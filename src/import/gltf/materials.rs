@@ -10,6 +10,7 @@ use gltf_json::{
 
 use super::{
     document::Document,
+    more::{Clearcoat, MoreOfMaterial},
     textures::{Picture, Textures},
 };
 use crate::{
@@ -41,13 +42,18 @@ impl UvRule {
 
     fn of(info: &Info) -> Self {
         let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.as_ref());
+        Self::transformed(info.tex_coord, transform)
+    }
+
+    /// Returns the map of a texture by its set of texture coordinates and its transform.
+    fn transformed(set: u32, transform: Option<&TextureTransform>) -> Self {
         let Some(TextureTransform { offset, rotation, scale, tex_coord, .. }) = transform else {
-            return Self { set: info.tex_coord, ..Self::PLAIN };
+            return Self { set, ..Self::PLAIN };
         };
         let ((sin, cos), [x, y]) = (rotation.0.sin_cos(), scale.0);
         // The scale comes first, then the rotation, counterclockwise with v pointing down.
         let matrix = Mat2::from_cols(Vec2::new(x * cos, -x * sin), Vec2::new(y * sin, y * cos));
-        Self { set: tex_coord.unwrap_or(info.tex_coord), matrix, offset: Vec2::from_array(offset.0) }
+        Self { set: tex_coord.unwrap_or(set), matrix, offset: Vec2::from_array(offset.0) }
     }
 
     /// Returns texture coordinates with v pointing up.
@@ -63,6 +69,8 @@ pub(super) struct Surface {
     pub(super) material: MaterialId,
     pub(super) uv: UvRule,
     pub(super) is_textured: bool,
+    /// Whether the file's tangents apply to its normal texture.
+    pub(super) uses_tangents: bool,
 }
 
 /// The used materials.
@@ -100,11 +108,15 @@ impl<'a> Surfaces<'a> {
             Some(index) => self.document.item(("materials", &self.document.root.materials), index, by)?,
             None => &plain,
         };
-        let (material, uv) = self.read(description, index.unwrap_or_default(), warnings)?;
+        let (material, uv) = self.read(description, index, warnings)?;
         let maps = material.principled.is_some_and(|surface| surface.textures().next().is_some());
         let is_textured = material.texture.is_some() || maps;
+        // Tangents of a file belong to texture coordinates without a transform.
+        let has_normals = material.principled.is_some_and(|surface| surface.normal_texture.is_some());
+        let uses_tangents = has_normals && uv.matrix == Mat2::IDENTITY;
         self.new.push(material);
-        let surface = Surface { material: MaterialId((self.moved + self.new.len()) as u32 - 1), uv, is_textured };
+        let material = MaterialId((self.moved + self.new.len()) as u32 - 1);
+        let surface = Surface { material, uv, is_textured, uses_tangents };
         self.found.insert(index, surface);
         Ok(surface)
     }
@@ -128,11 +140,15 @@ impl<'a> Surfaces<'a> {
     fn read(
         &mut self,
         description: &Description,
-        index: usize,
+        index: Option<usize>,
         warnings: &mut Warnings,
     ) -> Result<(Material, UvRule), Error> {
+        let (is_described, index) = (index.is_some(), index.unwrap_or_default());
         let name = format!("materials[{index}]");
-        note_left_out(description, index, warnings);
+        let document = self.document;
+        let no_more = MoreOfMaterial::default();
+        let more = document.more.get(index).filter(|_| is_described).unwrap_or(&no_more);
+        note_left_out(description, more, index, warnings);
         let mut crossed = false;
         let mut share = |value: f32| {
             let inside = value.clamp(0.0, 1.0);
@@ -155,6 +171,7 @@ impl<'a> Surfaces<'a> {
         if let Some(specular) = extensions.and_then(|extensions| extensions.specular.as_ref()) {
             let factor = share(specular.specular_factor.0);
             surface.specular = Vec3::from_array(specular.specular_color_factor.0.map(|value| factor * share(value)));
+            surface.grazing = factor;
         }
         if let Some(volume) = extensions.and_then(|extensions| extensions.volume.as_ref()) {
             surface.thin = volume.thickness_factor.0 <= 0.0;
@@ -165,9 +182,13 @@ impl<'a> Surfaces<'a> {
                     (-color.max(Vec3::splat(1e-6)).map(f32::ln) / distance).min(Vec3::splat(MOST_ABSORPTION));
             }
         }
+        if let Some(coat) = more.clearcoat() {
+            surface.clearcoat = share(coat.clearcoat_factor);
+            surface.clearcoat_roughness = share(coat.clearcoat_roughness_factor);
+        }
         self.out_of_range += usize::from(crossed);
 
-        let uv = uv_rule(description);
+        let uv = uv_rule(description, more);
         let base = match &metallic.base_color_texture {
             Some(info) => self.textures.picture(info.index, &format!("{name}, baseColorTexture"), warnings)?,
             None => None,
@@ -199,8 +220,11 @@ impl<'a> Surfaces<'a> {
                 false => surface.emission = seen.emission,
             }
         }
+        if let Some(coat) = more.clearcoat().filter(|_| surface.is_coated()) {
+            self.read_coat(coat, &mut surface, (uv, &name), warnings)?;
+        }
         if let Some(info) = &description.normal_texture
-            && info.tex_coord == uv.set
+            && UvRule::transformed(info.tex_coord, more.normal_transform()) == uv
             && let Some(picture) = self.textures.picture(info.index, &format!("{name}, normalTexture"), warnings)?
         {
             surface.normal_texture = Some(self.textures.data_id(&picture));
@@ -229,6 +253,34 @@ impl<'a> Surfaces<'a> {
         }
         material.conserve();
         Ok((material, uv))
+    }
+
+    /// Reads the textures of a clear coat.
+    fn read_coat(
+        &mut self,
+        coat: &Clearcoat,
+        surface: &mut Principled,
+        (uv, name): (UvRule, &str),
+        warnings: &mut Warnings,
+    ) -> Result<(), Error> {
+        if let Some(info) = &coat.clearcoat_texture
+            && let Some(picture) = self.textures.picture(info.index, &format!("{name}, clearcoatTexture"), warnings)?
+        {
+            match UvRule::of(info) == uv {
+                true => surface.clearcoat_texture = Some(self.textures.data_id(&picture)),
+                false => surface.clearcoat *= self.textures.means_of(&picture).values.x,
+            }
+        }
+        if let Some(info) = &coat.clearcoat_roughness_texture
+            && let Some(picture) =
+                self.textures.picture(info.index, &format!("{name}, clearcoatRoughnessTexture"), warnings)?
+        {
+            match UvRule::of(info) == uv {
+                true => surface.clearcoat_roughness_texture = Some(self.textures.data_id(&picture)),
+                false => surface.clearcoat_roughness *= self.textures.means_of(&picture).values.y,
+            }
+        }
+        Ok(())
     }
 
     /// Returns the factor of the emissive colour.
@@ -288,30 +340,38 @@ impl<'a> Surfaces<'a> {
     }
 }
 
-/// Returns the map of a material's textures: that of the first one it has.
-fn uv_rule(description: &Description) -> UvRule {
+/// Returns the maps of a material's textures, the normal texture's last.
+fn uv_rules<'a>(description: &'a Description, more: &'a MoreOfMaterial) -> impl Iterator<Item = UvRule> + 'a {
     let metallic = &description.pbr_metallic_roughness;
-    let normal = description.normal_texture.as_ref();
-    let normal = normal.map(|info| UvRule { set: info.tex_coord, ..UvRule::PLAIN });
     let infos = [&metallic.base_color_texture, &metallic.metallic_roughness_texture, &description.emissive_texture];
-    let mut rules = infos.into_iter().flatten().map(UvRule::of).chain(normal);
-    rules.next().unwrap_or(UvRule::PLAIN)
+    let coat = more.clearcoat();
+    let coat = coat.map(|coat| [&coat.clearcoat_texture, &coat.clearcoat_roughness_texture]);
+    let infos = infos.into_iter().chain(coat.into_iter().flatten()).flatten();
+    let normal = description.normal_texture.as_ref();
+    infos.map(UvRule::of).chain(normal.map(|info| UvRule::transformed(info.tex_coord, more.normal_transform())))
+}
+
+/// Returns the map of a material's textures: that of the first one it has.
+fn uv_rule(description: &Description, more: &MoreOfMaterial) -> UvRule {
+    uv_rules(description, more).next().unwrap_or(UvRule::PLAIN)
 }
 
 /// Counts unsupported textures.
-fn note_left_out(description: &Description, index: usize, warnings: &mut Warnings) {
+fn note_left_out(description: &Description, more: &MoreOfMaterial, index: usize, warnings: &mut Warnings) {
     let place = Place::Item("materials", index);
-    let rule = uv_rule(description);
-    let metallic = &description.pbr_metallic_roughness;
-    let others = [&metallic.metallic_roughness_texture, &description.emissive_texture];
-    if others.into_iter().flatten().any(|info| UvRule::of(info) != rule) {
-        warnings.left_out("textures with another map than their material's first texture; means are used", place);
+    let rule = uv_rule(description, more);
+    let mut rules: Vec<UvRule> = uv_rules(description, more).collect();
+    if description.normal_texture.is_some() && rules.pop() != Some(rule) {
+        warnings.left_out("normal textures with another map than their material's first texture", place);
     }
-    if description.normal_texture.as_ref().is_some_and(|info| info.tex_coord != rule.set) {
-        warnings.left_out("normal textures with other texture coordinates than their material's first texture", place);
+    if rules.iter().any(|other| *other != rule) {
+        warnings.left_out("textures with another map than their material's first texture; means are used", place);
     }
     if description.occlusion_texture.is_some() {
         warnings.left_out("occlusion textures", place);
+    }
+    if more.clearcoat().is_some_and(|coat| coat.clearcoat_normal_texture.is_some()) {
+        warnings.left_out("normal textures of clear coats", place);
     }
     let extensions = description.extensions.as_ref();
     let clear = extensions.and_then(|extensions| extensions.transmission.as_ref());

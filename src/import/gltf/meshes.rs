@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{BVec3, DAffine3, DMat3, DVec3, Vec2, Vec3};
+use glam::{BVec3, DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use gltf_json::{
     Mesh as Description,
     accessor::Type,
@@ -119,11 +119,16 @@ fn placed(mesh: &Mesh, place: DAffine3) -> Mesh {
             }
         }
     }
+    for tangent in mesh.tangents.as_flattened_mut() {
+        let way = place.matrix3 * tangent.truncate().as_dvec3();
+        *tangent = way.normalize_or_zero().as_vec3().extend(tangent.w * sign as f32);
+    }
     if sign < 0.0 {
         mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
         mesh.normals.iter_mut().for_each(|corners| corners.swap(1, 2));
         mesh.uv.iter_mut().for_each(|corners| corners.swap(1, 2));
         mesh.colors.iter_mut().for_each(|corners| corners.swap(1, 2));
+        mesh.tangents.iter_mut().for_each(|corners| corners.swap(1, 2));
     }
     mesh
 }
@@ -137,7 +142,7 @@ fn read(
     warnings: &mut Warnings,
 ) -> Result<Mesh, Error> {
     let mut mesh = Mesh::default();
-    let mut clamped_colors = 0;
+    let (mut clamped_colors, mut lacks_tangents) = (0, false);
     for (number, primitive) in description.primitives.iter().enumerate() {
         let name = format!("meshes[{index}].primitives[{number}]");
         let place = Place::Item("meshes", index);
@@ -155,14 +160,20 @@ fn read(
             warnings.left_out("primitives without positions", place);
             continue;
         }
-        add(document, &mut mesh, primitive, mode, &name, (surfaces, warnings), &mut clamped_colors)?;
+        let noted = (&mut clamped_colors, &mut lacks_tangents);
+        add(document, &mut mesh, primitive, mode, &name, (surfaces, warnings), noted)?;
         document.check_size(&format!("meshes[{index}]"), "triangles", mesh.triangles.len() as u64, 1)?;
         document.check_size(&format!("meshes[{index}]"), "vertices", mesh.positions.len() as u64, 3)?;
+    }
+    if lacks_tangents {
+        // The scene computes the tangents of the whole mesh.
+        mesh.tangents.clear();
     }
     let count = mesh.triangles.len();
     fill(&mut mesh.normals, count, [Vec3::ZERO; 3]);
     fill(&mut mesh.uv, count, [Vec2::ZERO; 3]);
     fill(&mut mesh.colors, count, [Vec3::ONE; 3]);
+    fill(&mut mesh.tangents, count, [Vec4::ZERO; 3]);
     if clamped_colors > 0 {
         let vertices = counted(clamped_colors, "vertex", "vertices");
         let text = format!("meshes[{index}]: colours outside 0 to 1, which are clamped, at {vertices}");
@@ -186,7 +197,7 @@ fn add(
     mode: Mode,
     name: &str,
     (surfaces, warnings): (&mut Surfaces, &mut Warnings),
-    clamped_colors: &mut usize,
+    (clamped_colors, lacks_tangents): (&mut usize, &mut bool),
 ) -> Result<(), Error> {
     let attribute = |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
     let Some(positions) = attribute(Semantic::Positions) else { return Ok(()) };
@@ -223,6 +234,18 @@ fn add(
         mesh.uv.extend(triangles.iter().map(|corners| corners.map(place)));
     } else if surface.is_textured {
         warnings.left_out("textures of primitives without texture coordinates, except for one corner", Place::File);
+    }
+    if let Some(tangents) = attribute(Semantic::Tangents).filter(|_| surface.uses_tangents) {
+        let tangents = document.floats::<4>(tangents, &[Type::Vec4], 0.0, &by("TANGENT"))?;
+        fits("TANGENT", tangents.len())?;
+        mesh.tangents.resize(before, [Vec4::ZERO; 3]);
+        let tangent = |corner: u32| {
+            let [x, y, z, side] = tangents[corner as usize];
+            unit(Vec3::new(x, y, z)).extend(if side < 0.0 { -1.0 } else { 1.0 })
+        };
+        mesh.tangents.extend(triangles.iter().map(|corners| corners.map(tangent)));
+    } else if surface.uses_tangents {
+        *lacks_tangents = true;
     }
     if let Some(colors) = attribute(Semantic::Colors(0)) {
         let colors = document.floats::<4>(colors, &[Type::Vec3, Type::Vec4], 1.0, &by("COLOR_0"))?;

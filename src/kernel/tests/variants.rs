@@ -176,6 +176,7 @@ pub(super) fn variants() -> Vec<Variant> {
             textures: ![0, 4, 6].contains(&surfaces),
             shine: surfaces > 3,
             principled: [1, 4, 5, 7].contains(&surfaces),
+            coats: [4, 7].contains(&surfaces),
             normalised: surfaces > 5,
             mirrors: surfaces % 2 == 1,
             cutouts: triangles && cutouts == 1,

@@ -12,7 +12,7 @@ use crate::{
 
 impl Kernel {
     /// Returns the value of each choice in shared WGSL.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 34] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 35] {
         let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
@@ -120,6 +120,7 @@ impl Kernel {
             ("light", if with.paths { "paths" } else { "direct" }),
             ("shine", shine),
             ("principled", if with.principled { "some" } else { "none" }),
+            ("coats", if with.coats && with.paths { "some" } else { "none" }),
             ("mirrors", mirrors),
             ("sky", sky),
             ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),
@@ -168,7 +169,8 @@ impl Kernel {
             ("LARGE", "f32", format!("{LARGE:?}")),
             flag("SHINE", shine),
             flag("FACETS", shine && with.paths),
-            number("MATERIAL_TEXELS", material_texels(with.shine || with.mirrors, with.principled) as u32),
+            number("MATERIAL_TEXELS", material_texels(with.shine || with.mirrors, with.principled, with.coats) as u32),
+            flag("COATS", with.coats && with.paths),
             number("PRIMITIVE_TEXELS", count as u32),
             number("LIGHT_TEXELS", light_texels(with.soft_lights, with.fading) as u32),
             flag("CASTS", with.casts),

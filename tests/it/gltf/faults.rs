@@ -351,8 +351,7 @@ fn what_pictures_do_not_show_is_named_once() {
     let folder = Folder::new("gltf_left_out");
     warnings::collect();
     let mut builder = Builder::triangle(json!({ "occlusionTexture": { "index": 0 } }));
-    builder.json["extensionsUsed"] =
-        json!(["EXT_mesh_gpu_instancing", "KHR_materials_clearcoat", "KHR_materials_unlit"]);
+    builder.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing", "KHR_materials_sheen", "KHR_materials_unlit"]);
     let points = builder.mesh(&[[0.0; 3]], json!({ "mode": 0 }));
     builder.node(json!({ "mesh": points }));
     builder.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }]);
@@ -368,7 +367,7 @@ fn what_pictures_do_not_show_is_named_once() {
     builder.node(json!({ "camera": camera }));
     Scene::from_gltf(folder.write("scene.gltf", builder.text())).unwrap();
     let expected = [
-        "scene.gltf: ignored extensions: EXT_mesh_gpu_instancing, KHR_materials_clearcoat",
+        "scene.gltf: ignored extensions: EXT_mesh_gpu_instancing, KHR_materials_sheen",
         "scene.gltf: ignored: animations; morph targets in meshes[0]; occlusion textures in \
          materials[0]; orthographic cameras in cameras[0]; points and lines in meshes[1]; primitives \
          without positions in meshes[2]; scenes other than the default or the first one; skins",

@@ -6,7 +6,7 @@ use stereotrace::{
     Limits, Material, Method, MissingTextures, Options, OutsideFiles, Scene, SceneFile, SceneOptions, StereoCamera,
     TextureId, TextureKind, Wrap,
     blocking::Wait,
-    glam::{Vec2, Vec3},
+    glam::{Vec2, Vec3, Vec4},
 };
 
 use super::{
@@ -393,4 +393,62 @@ fn masks_of_one_picture_are_as_many_as_its_alphas_part_and_have_a_limit_with_it(
     let expected = "alphaCutoff: the cut-out copy of its picture has another 4x1 pixels, 4 in all, over the limit of \
                     3; raise it with --max-textures";
     assert!(message.contains("materials[60], ") && message.contains(expected), "{message}");
+}
+
+#[test]
+fn tangents_of_files_are_used_and_others_are_computed() {
+    let quad = |tangent: Option<[f32; 4]>, turned: bool| {
+        let mut builder = Builder::new();
+        let uv = builder.floats(&[[0.0f32, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
+        let mut attributes = json!({ "TEXCOORD_0": uv });
+        if let Some(tangent) = tangent {
+            attributes["TANGENT"] = json!(builder.floats(&[tangent; 4]));
+        }
+        let indices = builder.indices(&[0, 1, 2, 0, 2, 3]);
+        let positions = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+        let mesh = builder.mesh(&positions, json!({ "attributes": attributes, "indices": indices, "material": 0 }));
+        let texture = builder.texture(&png(1, 1, &[[128, 128, 255, 255]]));
+        let mut info = json!({ "index": texture });
+        if turned {
+            builder.json["extensionsUsed"] = json!(["KHR_texture_transform"]);
+            info["extensions"] = json!({ "KHR_texture_transform": { "rotation": std::f32::consts::FRAC_PI_2 } });
+        }
+        builder.push("materials", json!({ "normalTexture": info }));
+        builder.node(json!({ "mesh": mesh, "scale": [-1, 1, 1] }));
+        scene(builder.text()).tangents()[0]
+    };
+    let all = |tangent: Vec4| [tangent; 3];
+    let near = |found: [Vec4; 3], expected: Vec4| {
+        assert!(found.iter().zip(all(expected)).all(|(a, b)| a.distance(b) < 1e-6), "{found:?} is not {expected}");
+    };
+    // The node mirrors the mesh, and with it the direction of u; v still grows upwards.
+    near(quad(Some([0.6, 0.8, 0.0, 1.0]), false), Vec4::new(-0.6, 0.8, 0.0, -1.0));
+    near(quad(None, false), Vec4::new(-1.0, 0.0, 0.0, -1.0));
+    // Tangents belong to coordinates without a transform. A quarter turn takes u to where v grew.
+    near(quad(Some([0.6, 0.8, 0.0, 1.0]), true), Vec4::new(0.0, -1.0, 0.0, -1.0));
+}
+
+#[test]
+fn clear_coats_and_transforms_of_normal_textures_are_read() {
+    let mut builder = textured(&[[9; 4]], json!({}));
+    let coat = builder.texture(&png(1, 1, &[[128, 64, 9, 255]]));
+    let transform = json!({ "KHR_texture_transform": { "scale": [2, 2] } });
+    let info = json!({ "index": coat, "extensions": transform });
+    builder.json["extensionsUsed"] = json!(["KHR_materials_clearcoat", "KHR_texture_transform"]);
+    builder.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = transform.clone();
+    builder.json["materials"][0]["normalTexture"] = info.clone();
+    builder.json["materials"][0]["extensions"] = json!({
+        "KHR_materials_clearcoat": { "clearcoatFactor": 0.5, "clearcoatTexture": info,
+            "clearcoatRoughnessFactor": 0.25, "clearcoatRoughnessTexture": { "index": coat } },
+        "KHR_materials_specular": { "specularFactor": 0.25, "specularColorFactor": [1, 0.5, 0] },
+    });
+    let surface = material(&scene(builder.text())).principled.unwrap();
+    assert!(surface.normal_texture.is_some() && surface.clearcoat_texture == surface.normal_texture);
+    // The roughness has another map, so the mean of its green is used.
+    assert_eq!((surface.clearcoat, surface.clearcoat_roughness_texture), (0.5, None));
+    assert!((surface.clearcoat_roughness - 0.25 * 64.0 / 255.0).abs() < 1e-6, "{}", surface.clearcoat_roughness);
+    assert_eq!((surface.specular, surface.grazing), (Vec3::new(0.25, 0.125, 0.0), 0.25));
+    // A normal texture with another map is left out.
+    builder.json["materials"][0]["normalTexture"] = json!({ "index": coat });
+    assert_eq!(material(&scene(builder.text())).principled.unwrap().normal_texture, None);
 }

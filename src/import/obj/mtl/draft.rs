@@ -38,6 +38,8 @@ pub(super) struct Draft {
     illumination: Option<u32>,
     roughness: Option<f32>,
     metallic: Option<f32>,
+    clearcoat: Option<f32>,
+    clearcoat_roughness: Option<f32>,
     /// Textures, one per use.
     pub(super) maps: Vec<Map>,
 }
@@ -100,6 +102,7 @@ impl Draft {
         let of = |purpose| texture_for(found, purpose);
         let [roughness, metallic] = [Use::Roughness, Use::Metallic].map(of);
         let is_asked = self.roughness.is_some() || self.metallic.is_some() || roughness.is_some() || metallic.is_some();
+        let is_asked = is_asked || self.clearcoat.is_some_and(|coat| coat > 0.0);
         if !is_asked && of(Use::Emission).is_none() && of(Use::Normal).is_none() {
             return None;
         }
@@ -113,7 +116,8 @@ impl Draft {
         };
         let rough = share(self.roughness, if roughness.is_some() { 1.0 } else { by_exponent });
         let metal = share(self.metallic, if metallic.is_some() { 1.0 } else { 0.0 });
-        let mut surface = Principled::new(material.albedo, metal, rough);
+        let coat = [share(self.clearcoat, 0.0), share(self.clearcoat_roughness, 0.0)];
+        let mut surface = Principled::new(material.albedo, metal, rough).clearcoat(coat[0], coat[1]);
         match material.finish {
             Finish::Matte => {}
             Finish::Mirror { .. } => surface = Principled { base: material.specular, metallic: 1.0, ..surface },
@@ -220,7 +224,10 @@ pub(super) fn read_statement(
 ) {
     let numbers = without_comment(rest).trim();
     let is_value = Use::named(keyword).is_some()
-        || matches!(keyword, "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Tr" | "illum" | "Pr" | "Pm");
+        || matches!(
+            keyword,
+            "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Tr" | "illum" | "Pr" | "Pm" | "Pc" | "Pcr"
+        );
     match draft {
         _ if !is_value => note_left_out(keyword, numbers, line, warnings),
         Some(draft) => draft.take(keyword, rest, numbers, line, warnings),
@@ -256,6 +263,8 @@ impl Draft {
             "Tr" => number(&mut self.transparency, numbers),
             "Pr" => number(&mut self.roughness, numbers),
             "Pm" => number(&mut self.metallic, numbers),
+            "Pc" => number(&mut self.clearcoat, numbers),
+            "Pcr" => number(&mut self.clearcoat_roughness, numbers),
             "illum" => {
                 self.illumination = numbers.parse().ok().filter(|model| *model <= 10);
                 self.illumination.map(drop).ok_or("not an illumination model from 0 to 10")
@@ -286,9 +295,7 @@ impl Draft {
 fn note_left_out(keyword: &str, numbers: &str, line: usize, warnings: &mut Warnings) {
     match keyword {
         "Ka" if parse_color(numbers) != Some(Vec3::ZERO) => warnings.left_out("ambient colours (Ka)", line),
-        "Ps" | "Pc" | "Pcr" | "aniso" | "anisor" => {
-            warnings.left_out("sheen, clearcoat and anisotropy (Ps, Pc, Pcr, aniso, anisor)", line);
-        }
+        "Ps" | "aniso" | "anisor" => warnings.left_out("sheen and anisotropy (Ps, aniso, anisor)", line),
         "bump" | "disp" | "decal" | "refl" => warnings.left_out(OTHER_MAPS, line),
         _ if keyword.starts_with("map_") => warnings.left_out(OTHER_MAPS, line),
         // Sharpness has no effect here, since reflections are always sharp.
