@@ -4,7 +4,7 @@ use stereotrace::testing::random;
 
 use stereotrace::{
     FAR, Pose, Ray, Scene,
-    glam::Vec3,
+    glam::{DVec3, Vec3},
     testing::cpu::{Eye, Frame},
 };
 
@@ -65,6 +65,7 @@ pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<
         let direction = if around.dot(left - *point) < 0.0 { -around } else { around };
         Ray::new(*point, direction).t_min(1e-3)
     });
+    let bounced: Vec<Ray> = bounced.collect();
     vec![
         Kind { name: "primary", query: Query::Closest, lists: vec![primary] },
         Kind {
@@ -83,8 +84,25 @@ pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<
             query: Query::Closest,
             lists: vec![scattered.map(|(_, direction)| Ray::new(right, *direction)).collect()],
         },
-        Kind { name: "bounced", query: Query::Closest, lists: vec![bounced.collect()] },
+        Kind { name: "bounced, sorted", query: Query::Closest, lists: vec![sorted(&bounced)] },
+        Kind { name: "bounced", query: Query::Closest, lists: vec![bounced] },
     ]
+}
+
+/// Returns rays sorted by the octant of their direction, and then along a Morton curve of 64³ cells of their origins.
+fn sorted(rays: &[Ray]) -> Vec<Ray> {
+    let low = rays.iter().fold(DVec3::INFINITY, |low, ray| low.min(ray.origin));
+    let high = rays.iter().fold(DVec3::NEG_INFINITY, |high, ray| high.max(ray.origin));
+    let spread = |cell: u32| (0..6).map(|bit| (cell >> bit & 1) << (3 * bit)).sum::<u32>();
+    let key = |ray: &Ray| {
+        let cells = ((ray.origin - low) / (high - low).max(DVec3::splat(1e-20)) * 63.0).to_array();
+        let [x, y, z] = cells.map(|cell| spread(cell as u32));
+        let octant = ray.direction.to_array().iter().fold(0, |bits, &part| bits << 1 | u32::from(part < 0.0));
+        octant << 18 | x | y << 1 | z << 2
+    };
+    let mut sorted = rays.to_vec();
+    sorted.sort_by_cached_key(key);
+    sorted
 }
 
 /// Returns all pixels in the kernels' order: tiles of 8x4, each divided into blocks of 2x2.
