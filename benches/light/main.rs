@@ -4,29 +4,33 @@
 //! Naive and bracket by both rules of `Penumbra` take turns in one run. Errors are distances from a converged picture
 //! of naive, in linear light, over several seeds. A surface of a region is matte, glossy or clear; `edges` are matte
 //! pixels beside which the converged light changes by more than 5%. `--samples`, `--seeds`, `--converged` and `--size`
-//! set the effort. Times cover the passes alone, so they do not include denoising. Names select scenes: room, built-in
+//! set the effort. `between eyes` is the difference between both eyes' errors at corresponding matte pixels, relative to
+//! naive's error there. The chart is written to target/bench/light. Times cover the passes alone, so they do not include denoising. Names select scenes: room, built-in
 //! ones, or folders of OBJ files.
 
+mod chart;
 #[path = "../common/mod.rs"]
 mod common;
 mod room;
 mod table;
 
-use std::{error::Error, process::ExitCode};
+use std::{error::Error, fs, process::ExitCode};
 
 use clap::Parser;
 use stereotrace::{
-    Gpu, Lighting, Method, Options, Penumbra, Renderer, Scene, Sky, SkyMap, StereoCamera, UploadedScene, blocking::Wait,
+    Gpu, Lighting, Method, Options, Penumbra, Renderer, Scene, Sky, SkyMap, StereoCamera, UploadedScene,
+    blocking::Wait, output::Batch,
 };
 
 use crate::{
+    chart::Line,
     common::{
         options::size,
         provenance::Provenance,
         rounds::{Spread, order},
         scenes::{self, BenchScene},
     },
-    table::{Errors, Regions},
+    table::{Corresponding, Errors, Regions},
 };
 
 /// Parallax at infinity in pixels, for a picture 400 pixels wide.
@@ -107,19 +111,33 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let plan = arguments.plan();
     let gpu = Gpu::new().wait()?;
-    println!("{}\n", Provenance::of(&gpu));
+    let provenance = Provenance::of(&gpu);
+    println!("{provenance}\n");
     println!(
         "{}x{}, {BOUNCES} bounces, {} rounds, {} seeds, errors against {} paths a pixel\n",
         plan.size[0], plan.size[1], plan.rounds, plan.seeds, plan.converged
     );
     println!("{}", table::HEAD);
     let mut renderer = Renderer::new(gpu);
+    let mut lines = Vec::new();
     for name in arguments.scenes() {
         match load(name, &plan)? {
-            Some(scene) => measure(&mut renderer, &scene, &plan)?,
+            Some(scene) => lines.extend(measure(&mut renderer, &scene, &plan)?),
             None => println!("{}\n", scenes::skipped(name)),
         }
     }
+    if lines.is_empty() {
+        return Err("no scene was measured".into());
+    }
+    let names: Vec<&str> = methods(2).into_iter().map(|(name, _)| name).collect();
+    let svg = chart::svg(&lines, &names, plan.size, &provenance)?;
+    let name = if arguments.quick() { "bench-smoke" } else { "bench/light" };
+    let folder = common::files::root().join("target").join(name);
+    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut batch = Batch::new();
+    batch.add(folder.join("light.svg"), svg.as_bytes())?;
+    let files = batch.commit()?;
+    println!("\nwrote {}", files[0].display());
     Ok(())
 }
 
@@ -142,22 +160,27 @@ fn emits(scene: &Scene) -> bool {
     scene.materials().iter().any(|material| material.emission.max_element() > 0.0)
 }
 
-/// Returns the compared methods, with the ground truth first.
-fn methods(samples: u32) -> [(&'static str, Options); 4] {
+/// Returns the compared methods, with the ground truth first. Single paths are not denoised.
+fn methods(samples: u32) -> Vec<(&'static str, Options)> {
     let by = |method| Options::new(method).lighting(Lighting::Paths { bounces: BOUNCES, samples }).linear(true);
-    [
+    let mut all = vec![
         ("naive", by(Method::Naive)),
         ("bracket, exact", by(Method::BRACKET).penumbra(Penumbra::Exact)),
         ("bracket, shared", by(Method::BRACKET)),
-        ("denoised", by(Method::BRACKET).denoise(true)),
-    ]
+    ];
+    all.extend((samples > 1).then(|| ("denoised", by(Method::BRACKET).denoise(true))));
+    all
 }
 
-fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Result<(), Box<dyn Error>> {
+/// Prints the rows of a scene, and returns its lines of the chart.
+fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Result<Vec<Line>, Box<dyn Error>> {
     let BenchScene { name, scene, camera } = bench;
     let uploaded = renderer.upload(scene).wait()?;
     let limit = converged(renderer, &uploaded, camera, plan)?;
     let regions = Regions::of(scene, &limit);
+    let places = Corresponding::of(&limit, &regions)?;
+    let line = |(method, _)| Line { scene: name.clone(), method, points: Vec::new() };
+    let mut lines: Vec<Line> = methods(2).into_iter().map(line).collect();
     for &samples in &plan.samples {
         let methods = methods(samples);
         let mut times = vec![Vec::new(); methods.len()];
@@ -177,6 +200,7 @@ fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Result<(
                 let options = options.clone().seed(seed + 1).count(true);
                 let pair = renderer.pair(&uploaded, camera).options(&options).read().wait()?;
                 errors.add(&pair.right, &limit.right, &regions);
+                errors.add_between(&pair, &limit, &places);
                 let work = [pair.statistics.left, pair.statistics.right];
                 rays = work.map(|work| work.rays.secondary + work.rays.shadow);
             }
@@ -184,9 +208,10 @@ fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Result<(
             let ms = Spread::of(times[index].iter().copied()).median;
             let cost = [ms, 2.0 * ms / naive_ms - 1.0, rays[1] as f64 / rays[0] as f64];
             println!("{}", table::row(scenes::title(name), samples, method, cost, &errors, of_naive));
+            lines[index].points.push((ms, errors.whole()));
         }
     }
-    Ok(())
+    Ok(lines)
 }
 
 /// Returns naive's picture with many paths.
@@ -196,6 +221,6 @@ fn converged(
     camera: &StereoCamera,
     plan: &Plan,
 ) -> Result<stereotrace::StereoPair, stereotrace::Error> {
-    let [(_, options), ..] = methods(plan.converged);
-    renderer.pair(scene, camera).options(&options).read().wait()
+    let (_, options) = &methods(plan.converged)[0];
+    renderer.pair(scene, camera).options(options).read().wait()
 }

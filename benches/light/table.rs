@@ -1,14 +1,14 @@
 //! Errors by region, and the rows of the table.
 
-use stereotrace::{Finish, MISS, Material, Scene, StereoPair, View};
+use stereotrace::{Channel, Finish, MISS, Material, Scene, StereoPair, Values, View};
 
 /// Difference between neighbouring pixels' light that makes an edge, as a share of it.
 const EDGE: f64 = 0.05;
 
 pub(crate) const HEAD: &str = "\
 | scene | paths | method | pair ms | second eye by time | by rays | rms error | of naive's | matte | edges | glossy | \
-clear | mean % | +- |
-|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
+clear | mean % | +- | between eyes |
+|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
 
 /// Region of a pixel, by the surface that it shows.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -72,6 +72,37 @@ pub(crate) struct Errors {
     squares: [(f64, f64); 6],
     /// Mean of each picture relative to the converged one's, less 1.
     means: Vec<f64>,
+    /// Sum of squares and number of the differences between both eyes' errors, at corresponding matte pixels.
+    between: (f64, f64),
+}
+
+/// Corresponding pixels: a matte pixel of the right view, and the place between two left pixels that shows the same
+/// point.
+pub(crate) struct Corresponding(Vec<(usize, usize, f64)>);
+
+impl Corresponding {
+    /// Largest difference of disparities at which two pixels show one point, in pixels.
+    const NEAR: f32 = 0.5;
+
+    pub(crate) fn of(limit: &StereoPair, regions: &Regions) -> Result<Self, stereotrace::Error> {
+        let width = limit.right.width as usize;
+        let disparity = |channels: stereotrace::Channels<'_>| -> Result<Vec<f32>, stereotrace::Error> {
+            match channels.get(Channel::Disparity)? {
+                Values::Floats(values) => Ok(values.into_owned()),
+                other => unreachable!("disparities are floats, not {other:?}"),
+            }
+        };
+        let (left, right) = (disparity(limit.left_channels(None))?, disparity(limit.right_channels(None))?);
+        let place = |pixel: usize| {
+            let column = (pixel % width) as f32 + right[pixel];
+            let (first, way) = (column.floor(), f64::from(column.fract()));
+            let is_inside = regions.0[pixel] == Region::Matte && first >= 0.0 && first + 1.0 < width as f32;
+            let other = is_inside.then(|| pixel - pixel % width + first as usize)?;
+            let is_same = |at: usize| (left[at] - right[pixel]).abs() < Self::NEAR;
+            (is_same(other) && is_same(other + 1)).then_some((pixel, other, way))
+        };
+        Ok(Self((0..right.len()).filter_map(place).collect()))
+    }
 }
 
 impl Errors {
@@ -89,6 +120,31 @@ impl Errors {
             }
         }
         self.means.push(sum / of_limit - 1.0);
+    }
+
+    /// Adds the differences between both eyes' errors.
+    pub(crate) fn add_between(&mut self, pair: &StereoPair, limit: &StereoPair, places: &Corresponding) {
+        for &(right, left, way) in &places.0 {
+            for channel in 0..3 {
+                let of = |view: &View, pixel: usize| f64::from(view.linear[pixel][channel]);
+                let error = |view: fn(&StereoPair) -> &View, at: usize| of(view(pair), at) - of(view(limit), at);
+                let beside = |at: usize| error(|pair| &pair.left, at);
+                let difference = error(|pair| &pair.right, right) - (1.0 - way) * beside(left) - way * beside(left + 1);
+                self.between.0 += difference * difference;
+                self.between.1 += 1.0;
+            }
+        }
+    }
+
+    /// Returns the root mean square of the differences between both eyes' errors, relative to the error of a pixel of
+    /// other pictures.
+    fn between(&self, of_naive: &Self) -> f64 {
+        (self.between.0 / self.between.1).sqrt() / of_naive.rms(Region::Matte as usize)
+    }
+
+    /// Returns the error of the whole picture.
+    pub(crate) fn whole(&self) -> f64 {
+        self.rms(5)
     }
 
     fn rms(&self, place: usize) -> f64 {
@@ -120,8 +176,9 @@ pub(crate) fn row(
     let [mean, deviation] = errors.bias().map(|share| 100.0 * share);
     format!(
         "| {scene} | {samples} | {method} | {ms:.0} | {by_time:.2} | {by_rays:.2} | {:.4} | {} | {matte} | {edges} | \
-        {glossy} | {clear} | {mean:+.2} | {deviation:.2} |",
+        {glossy} | {clear} | {mean:+.2} | {deviation:.2} | {:.2} |",
         errors.rms(5),
         share(5),
+        errors.between(of_naive),
     )
 }
