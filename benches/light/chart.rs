@@ -53,6 +53,8 @@ pub(crate) fn svg(
             .axis_style(INK)
             .label_style((FONT, 13).into_font().color(&INK))
             .axis_desc_style((FONT, 14).into_font().color(&INK))
+            .x_label_formatter(&|ms| format!("{ms:.0}"))
+            .y_label_formatter(&|error| format!("{error:.3}").trim_end_matches('0').to_owned())
             .x_desc("time of a pair, ms (without denoising)")
             .y_desc("rms error of the right view, linear light")
             .draw()?;

@@ -18,6 +18,16 @@ impl PassTimes {
     pub fn total(&self) -> Duration {
         self.passes.iter().map(|(_, time)| *time).sum()
     }
+
+    /// Adds the times of passes, by name.
+    pub(crate) fn add(&mut self, others: &Self) {
+        for &(name, time) in &others.passes {
+            match self.passes.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, sum)) => *sum += time,
+                None => self.passes.push((name, time)),
+            }
+        }
+    }
 }
 
 /// Timestamps of one frame's compute passes: a pair per pass.

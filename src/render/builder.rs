@@ -180,8 +180,8 @@ impl FrameBuilder<'_, Rig> {
         let eyes = rig.eyes(scene.origin)?;
         let of_pass = options_of(&passes, scene, rig, &options)?;
         let frame = renderer.whole_frame(scene, &eyes, &of_pass, &mut *progress).await?;
-        let (done, mut views) = mean_of(passes, (scene, rig), &options, frame)?;
-        renderer.use_parts(&mut views, &options).await?;
+        let (mut done, mut views) = mean_of(passes, (scene, rig), &options, frame)?;
+        renderer.use_parts((&mut done, &mut views), &options, &mut *progress).await?;
         Ok(Views::of(done, views))
     }
 }
@@ -216,8 +216,8 @@ impl FrameBuilder<'_, StereoCamera> {
                 (left.0.beside(right.0), [left.1, right.1].concat())
             }
         };
-        let (done, mut views) = mean_of(passes, (scene, &rig), &options, frame)?;
-        renderer.use_parts(&mut views, &options).await?;
+        let (mut done, mut views) = mean_of(passes, (scene, &rig), &options, frame)?;
+        renderer.use_parts((&mut done, &mut views), &options, &mut *progress).await?;
         Ok(StereoPair { pose, ..StereoPair::of(done, views) })
     }
 

@@ -2,8 +2,9 @@
 //! smoothed apart, guided by the surfaces that pixels show and by the variances of their paths' light (DESIGN,
 //! section 3).
 
+use super::frame::Done;
 use crate::{
-    Error, Options, Renderer,
+    Error, OnProgress, Options, Progress, Renderer,
     frame::{
         ViewRows,
         executor::{Executor, Resources, Workgroups},
@@ -25,8 +26,20 @@ const STRIP: usize = 1 << 21;
 const MOST_VARIANCE: f32 = 1e30;
 
 impl Renderer {
-    /// Uses light in parts: replaces the colours of pictures by those of denoised light, and keeps the albedo.
-    pub(super) async fn use_parts(&self, views: &mut [ViewRows], options: &Options) -> Result<(), Error> {
+    /// Uses light in parts: replaces the colours of pictures by those of denoised light, and keeps the albedo. Adds the
+    /// time of the passes to the frame's.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] if the progress callback stops it, which is called before each strip of rows.
+    pub(super) async fn use_parts(
+        &mut self,
+        (done, views): (&mut Done, &mut [ViewRows]),
+        options: &Options,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<(), Error> {
+        if let Some(timestamps) = &mut self.timestamps {
+            timestamps.restart();
+        }
         for rows in views.iter_mut().filter(|rows| !rows.parts.is_empty()) {
             let parts = std::mem::take(&mut rows.parts);
             if options.albedo {
@@ -36,12 +49,16 @@ impl Renderer {
                 continue;
             }
             let size = [rows.view.width as usize, rows.view.height as usize];
-            let smooth = self.smoothed(&parts, size, STRIP).await?;
+            let smooth = self.smoothed(&parts, size, STRIP, progress).await?;
             let linear: Vec<[f32; 3]> = parts.iter().zip(&smooth).map(|(parts, light)| parts.lit_by(light)).collect();
             rows.view.rgba8 = linear.iter().map(|&color| options.tone.rgba8(color, options.exposure.exp2())).collect();
             if options.linear {
                 rows.view.linear = linear.into_iter().map(|[red, green, blue]| [red, green, blue, 1.0]).collect();
             }
+        }
+        if let (true, Some(timestamps), Some(times)) = (options.denoise, &mut self.timestamps, &mut done.times) {
+            let own = timestamps.read(&self.gpu).await?;
+            own.iter().for_each(|own| times.add(own));
         }
         Ok(())
     }
@@ -49,10 +66,11 @@ impl Renderer {
     /// Smooths a picture in strips of rows with about this number of pixels. A strip's result does not depend on the
     /// others.
     async fn smoothed(
-        &self,
+        &mut self,
         parts: &[LightParts],
         [width, height]: [usize; 2],
         strip_pixels: usize,
+        progress: &mut OnProgress<'_>,
     ) -> Result<Vec<Noisy>, Error> {
         let mut all = Vec::with_capacity(parts.len());
         let fitting = (self.gpu.binding_limit() / size_of::<Noisy>() as u64) as usize / width;
@@ -67,6 +85,9 @@ impl Renderer {
         }
         let strip = (strip_pixels / width).clamp(1, fitting - 2 * REACH);
         for first in (0..height).step_by(strip) {
+            if progress(Progress { pass: "denoise", done: 1.0 }).is_break() {
+                return Err(Error::Cancelled);
+            }
             let end = (first + strip).min(height);
             let [top, bottom] = [first.saturating_sub(REACH), (end + REACH).min(height)];
             let smooth = self.smoothed_strip(&parts[top * width..bottom * width], width as u32).await?;
@@ -75,7 +96,7 @@ impl Renderer {
         Ok(all)
     }
 
-    async fn smoothed_strip(&self, parts: &[LightParts], width: u32) -> Result<Vec<Noisy>, Error> {
+    async fn smoothed_strip(&mut self, parts: &[LightParts], width: u32) -> Result<Vec<Noisy>, Error> {
         let gpu = &self.gpu;
         let size = [width, parts.len() as u32 / width];
         let noisy: Vec<Noisy> = parts.iter().map(LightParts::noisy).collect();
@@ -87,7 +108,7 @@ impl Renderer {
             let surfaces = gpu.storage_buffer("guides", size_of_val(&guides[..]) as u64);
             gpu.queue.write_buffer(&light[0], 0, bytemuck::cast_slice(&noisy));
             gpu.queue.write_buffer(&surfaces, 0, bytemuck::cast_slice(&guides));
-            let mut executor = Executor::new(gpu, &self.kernels, None, None);
+            let mut executor = Executor::new(gpu, &self.kernels, None, self.timestamps.as_mut());
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let passes = STEPS.iter().map(|&step| (&SMOOTH_LIGHT_ONCE, step));
             for (kernel, step) in std::iter::once((&SMOOTH_VARIANCES, 0)).chain(passes) {
@@ -146,8 +167,14 @@ impl LightParts {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
     use crate::{Gpu, blocking::Wait, random::Random};
+
+    fn go_on(_: Progress) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 
     /// Returns a floor of two rooms with noisy light: 1 in the left room, 3 in the right one behind a wall's edge.
     fn floor(width: usize, height: usize) -> Vec<LightParts> {
@@ -176,10 +203,10 @@ mod tests {
 
     #[test]
     fn light_is_smoothed_up_to_edges_and_strips_change_nothing() {
-        let (renderer, size) = (Renderer::new(Gpu::under_test()), [80, 200]);
+        let (mut renderer, size) = (Renderer::new(Gpu::under_test()), [80, 200]);
         let parts = floor(size[0], size[1]);
-        let whole = renderer.smoothed(&parts, size, STRIP).wait().unwrap();
-        let in_strips = renderer.smoothed(&parts, size, 80 * 24).wait().unwrap();
+        let whole = renderer.smoothed(&parts, size, STRIP, &mut go_on).wait().unwrap();
+        let in_strips = renderer.smoothed(&parts, size, 80 * 24, &mut go_on).wait().unwrap();
         assert!(whole == in_strips);
         let light = |is_left: bool, list: &[Noisy]| {
             let own = list.iter().enumerate().filter(|(index, _)| (index % size[0] < size[0] / 2) == is_left);
@@ -201,8 +228,8 @@ mod tests {
     fn a_pixel_without_a_surface_keeps_its_colour() {
         let mut parts = floor(20, 20);
         parts[210] = LightParts { normal: NO_NORMAL, rest: [0.5, 0.25, 0.125], ..LightParts::default() };
-        let renderer = Renderer::new(Gpu::under_test());
-        let smooth = renderer.smoothed(&parts, [20, 20], STRIP).wait().unwrap();
+        let mut renderer = Renderer::new(Gpu::under_test());
+        let smooth = renderer.smoothed(&parts, [20, 20], STRIP, &mut go_on).wait().unwrap();
         assert_eq!(parts[210].lit_by(&smooth[210]), [0.5, 0.25, 0.125]);
         assert!(smooth.iter().all(|noisy| noisy.diffuse.iter().all(|value| value.is_finite())));
         // Light that is not finite, or that a surface does not reflect, reaches no other pixel.
@@ -210,7 +237,7 @@ mod tests {
         parts[205].diffuse = [f32::INFINITY, 1.0, f32::NAN];
         parts[215].diffuse_variance = NO_LIGHT;
         parts[215].diffuse = [0.0; 3];
-        let smooth = renderer.smoothed(&parts, [20, 20], STRIP).wait().unwrap();
+        let smooth = renderer.smoothed(&parts, [20, 20], STRIP, &mut go_on).wait().unwrap();
         assert!(smooth.iter().all(|noisy| noisy.diffuse.iter().all(|value| value.is_finite())));
         assert_eq!(smooth[215].diffuse, [0.0; 3]);
         assert!((195..235).filter(|index| ![205, 215].contains(index)).all(|index| smooth[index].diffuse[0] > 0.3));

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use super::frame::Done;
 use crate::{
-    Error, GBuffer, Lighting, OnProgress, Options, PassTimes, Progress, Renderer, UploadedScene,
+    Error, GBuffer, Lighting, OnProgress, Options, Progress, Renderer, UploadedScene,
     ask::samples::side_of,
     frame::{OnRows, Rows, targets::MOST_BYTES, wanted::Wanted},
     message::counted,
@@ -142,20 +142,12 @@ impl Done {
     /// Adds the cost of another frame, except the tallies of its views.
     pub(super) fn in_all(mut self, other: Self) -> Self {
         self.in_steps |= other.in_steps;
-        self.times = self.times.zip(other.times).map(|(times, others)| sum(times, &others));
+        self.times = self.times.zip(other.times).map(|(mut times, others)| {
+            times.add(&others);
+            times
+        });
         self.intermediate_bytes = self.intermediate_bytes.max(other.intermediate_bytes);
         self.shadow_buffer = self.shadow_buffer.with(other.shadow_buffer);
         self
     }
-}
-
-/// Adds the times of passes that have the same name.
-fn sum(mut times: PassTimes, others: &PassTimes) -> PassTimes {
-    for &(name, time) in &others.passes {
-        match times.passes.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, sum)) => *sum += time,
-            None => times.passes.push((name, time)),
-        }
-    }
-    times
 }

@@ -7,8 +7,8 @@ use crate::{
     paths::{room, room_camera},
 };
 use stereotrace::{
-    Builtin, Convergence, Error, Light, Lighting, Method, Options, Passes, Renderer, Rig, StereoCamera, StereoPair,
-    Update, UploadedScene, View, blocking::Wait, glam::Vec3,
+    Builtin, Convergence, Error, Light, Lighting, Method, Options, Passes, Progress, Renderer, Rig, StereoCamera,
+    StereoPair, Update, UploadedScene, View, blocking::Wait, glam::Vec3,
 };
 
 fn by_paths(samples: u32) -> Options {
@@ -103,6 +103,16 @@ fn denoised_passes_are_as_good_as_a_denoised_frame() {
     let errors = [&pairs[0], &pairs[3], &frame].map(|pair| apart(&pair.left, &converged.left));
     println!("{errors:?}");
     assert!(errors[1] < 0.8 * errors[0] && (errors[1] / errors[2] - 1.0).abs() < 0.1, "{errors:?}");
+    // Denoising is timed, and can be stopped.
+    let names =
+        |pair: &StereoPair| pair.statistics.times.iter().flat_map(|times| &times.passes).map(|pass| pass.0).collect();
+    let names: Vec<&str> = names(&frame);
+    assert!(names.is_empty() || names.contains(&"smooth_light_once"), "{names:?}");
+    let mut stop =
+        |now: Progress| if now.pass == "denoise" { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let options = by_paths(2).denoise(true);
+    let stopped = renderer.pair(&scene, &room_camera()).options(&options).progress(&mut stop).read().wait();
+    assert!(matches!(stopped, Err(Error::Cancelled)), "{stopped:?}");
 }
 
 #[test]
