@@ -94,7 +94,8 @@ impl Material {
     /// - ``metallic``: 0 for a dielectric, 1 for a metal. Default 0.
     /// - ``roughness``: 0, smooth, to 1. Default 0.5.
     /// - ``index``: refractive index of a dielectric, 0.1 to 10. Default 1.5.
-    /// - ``specular``: factor of a dielectric's reflectance at normal incidence, linear RGB, 0 to 1. Default 1.
+    /// - ``specular``: factor of a dielectric's reflectance, 0 to 1. Default 1.
+    /// - ``specular_color``: further factor at normal incidence, linear RGB, 0 to 1. Default 1.
     /// - ``transmission``: share of the light that enters a dielectric and is transmitted, 0 to 1. Default 0.
     /// - ``thin``: whether transmitted light is not refracted. Default ``False``.
     /// - ``absorption``: light that is absorbed inside per world unit, linear RGB. Default 0.
@@ -112,6 +113,7 @@ impl Material {
     #[pyo3(signature = (base = None, **fields))]
     fn principled(py: Python<'_>, base: Option<Color>, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut surface = Principled::new(base.map_or(Vec3::splat(0.8), |base| base.0), 0.0, 0.5);
+        // `grazing` holds the factor until the end, and `specular` its colour.
         let others = PyDict::new(py);
         for (name, value) in fields.into_iter().flatten() {
             if !set(&mut surface, &name.extract::<String>()?, &value)? {
@@ -123,6 +125,7 @@ impl Material {
         {
             return Err(refused(format!("Material.principled: unknown field '{name}'")));
         }
+        surface.specular *= surface.grazing;
         with(stereotrace::Material::new(Vec3::ZERO).principled(surface), Some(&others))
     }
 
@@ -240,7 +243,8 @@ fn set(surface: &mut Principled, name: &str, value: &Bound<'_, PyAny>) -> PyResu
         "metallic" => surface.metallic = number()?,
         "roughness" => surface.roughness = number()?,
         "index" => surface.index = number()?,
-        "specular" => surface.specular = color()?,
+        "specular" => surface.grazing = number()?,
+        "specular_color" => surface.specular = color()?,
         "transmission" => surface.transmission = number()?,
         "thin" => surface.thin = value.extract().map_err(of)?,
         "absorption" => surface.absorption = color()?,

@@ -208,8 +208,10 @@ class PrincipledFields(TypedDict, total=False):
     roughness: float
     # Refractive index of a dielectric, 0.1 to 10. Default 1.5.
     index: float
-    # Factor of a dielectric's reflectance at normal incidence, linear RGB, 0 to 1. Default 1.
-    specular: Color
+    # Factor of a dielectric's reflectance, 0 to 1. Default 1.
+    specular: float
+    # Further factor at normal incidence, linear RGB, 0 to 1. Default 1.
+    specular_color: Color
     # Share of the light that enters a dielectric and is transmitted, 0 to 1. Default 0.
     transmission: float
     # Whether transmitted light is not refracted. Default False.

@@ -190,8 +190,10 @@ export interface Surface {
     roughness?: number;
     /** Refractive index of a dielectric. Default 1.5. */
     index?: number;
-    /** Factor of a dielectric's reflectance at normal incidence. Default white. */
-    specular?: Vector;
+    /** Factor of a dielectric's reflectance, 0 to 1. Default 1. */
+    specular?: number;
+    /** Further factor at normal incidence. Default white. */
+    specularColor?: Vector;
     /** Share of the light that enters a dielectric and is transmitted, 0 to 1. Default 0. */
     transmission?: number;
     /** Whether transmitted light is not refracted. Default false. */

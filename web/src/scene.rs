@@ -352,7 +352,8 @@ struct GivenSurface {
     metallic: Option<f32>,
     roughness: Option<f32>,
     index: Option<f32>,
-    specular: Option<[f32; 3]>,
+    specular: Option<f32>,
+    specular_color: Option<[f32; 3]>,
     transmission: Option<f32>,
     thin: Option<bool>,
     absorption: Option<[f32; 3]>,
@@ -373,7 +374,8 @@ fn surface_of(given: &GivenSurface, emission: Vec3) -> Principled {
         .thin(given.thin.unwrap_or(false))
         .clearcoat(given.clearcoat.unwrap_or(0.0), given.clearcoat_roughness.unwrap_or(0.0))
         .emission(emission);
-    surface.specular = given.specular.map_or(Vec3::ONE, Vec3::from_array);
+    surface.grazing = given.specular.unwrap_or(1.0);
+    surface.specular = surface.grazing * given.specular_color.map_or(Vec3::ONE, Vec3::from_array);
     surface.absorption = given.absorption.map_or(Vec3::ZERO, Vec3::from_array);
     surface.normal_scale = given.normal_scale.unwrap_or(1.0);
     surface.roughness_texture = given.roughness_texture.map(TextureId);
