@@ -3,12 +3,11 @@
 //!
 //! Naive and bracket by both rules of `Penumbra` take turns in one run. Errors are distances from a converged picture
 //! of naive, in linear light, over several seeds. A surface of a region is matte, glossy or clear; `edges` are matte
-//! pixels beside which the converged light changes by more than 5%. `--samples`, `--seeds`, `--converged` and `--size`
-//! set the effort. `between eyes` is the difference between both eyes' errors at corresponding matte pixels, relative to
-//! naive's error there. The chart is written to target/bench/light. Times cover the passes alone, so they do not include denoising. Names select scenes: room, built-in
-//! ones, or folders of OBJ files.
+//! pixels beside which the converged light changes by more than 5%. `between eyes` is the difference between both eyes'
+//! errors at corresponding matte pixels, relative to naive's error there. `--samples`, `--seeds`, `--converged` and
+//! `--size` set the effort. Times cover the passes alone, so they do not include denoising. Names select scenes: room,
+//! built-in ones, or folders of OBJ files. The chart is written to target/bench/light.
 
-mod chart;
 #[path = "../common/mod.rs"]
 mod common;
 mod room;
