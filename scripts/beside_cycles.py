@@ -5,10 +5,9 @@ Run it with a Python that has bpy, numpy and OpenEXR from PyPI:
     python scripts/beside_cycles.py FOLDER --command target/release/stereotrace
 
 It makes the room in Blender and exports it as glTF. Both programs then render a pair, with an off-axis frustum for each
-eye: by Cycles with 32 samples and its denoiser, by stereotrace with several numbers of paths, denoised. Errors are root
-mean squares in sRGB, 0 to 1, against each program's own converged pictures, of which there are two with different random
-numbers. The error is the mean product of the differences from both, so it does not include their noise. CPU seconds
-include the programs' start.
+eye: Cycles with 32 samples and its denoiser, stereotrace with several numbers of samples and paths, denoised. Each
+program's converged picture is rendered twice, with other random numbers. An error is the root of the mean product of the
+differences from both, so it leaves out their noise. Values are sRGB, 0 to 1. CPU seconds include the programs' start.
 """
 
 import argparse

@@ -4,9 +4,9 @@
 //! Naive and bracket by both rules of `Penumbra` take turns in one run. Errors are distances from a converged picture
 //! of naive, in linear light, over several seeds. A surface of a region is matte, glossy or clear; `edges` are matte
 //! pixels beside which the converged light changes by more than 5%. `between eyes` is the difference between both eyes'
-//! errors at corresponding matte pixels, relative to naive's error there. `--samples`, `--seeds`, `--converged` and
-//! `--size` set the effort. Times cover the passes alone, so they do not include denoising. Names select scenes: room,
-//! built-in ones, or folders of OBJ files. The chart is written to target/bench/light.
+//! errors at corresponding matte pixels, relative to naive's error at matte pixels. `--samples`, `--seeds`,
+//! `--converged` and `--size` set the effort. Times cover the passes alone, so they do not include denoising. Names
+//! select scenes: room, built-in ones, or folders of OBJ files. The chart is written to target/bench/light.
 
 #[path = "../common/mod.rs"]
 mod common;

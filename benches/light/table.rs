@@ -136,8 +136,8 @@ impl Errors {
         }
     }
 
-    /// Returns the root mean square of the differences between both eyes' errors, relative to the error of a pixel of
-    /// other pictures.
+    /// Returns the root mean square of the differences between both eyes' errors, relative to naive's error at matte
+    /// pixels.
     fn between(&self, of_naive: &Self) -> f64 {
         (self.between.0 / self.between.1).sqrt() / of_naive.rms(Region::Matte as usize)
     }

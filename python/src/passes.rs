@@ -19,8 +19,8 @@ use crate::errors::refused;
 ///         pair = renderer.render(scene, camera, passes=passes, lighting="paths=8", denoise=True)
 ///
 /// All passes must have the same scene, cameras and options, except ``exposure``, ``tone`` and the number of paths,
-/// which is the pass's weight. Otherwise the call raises ``ValueError``. A pass that is stopped leaves the earlier ones
-/// as they are. ``adaptive`` has no passes. Depth and ids belong to the first pass.
+/// which is the pass's weight. Otherwise the call raises ``ValueError``. A pass that is stopped while it is traced
+/// leaves the earlier ones as they are. ``adaptive`` has no passes. Depth and ids belong to the first pass.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct Passes {
     /// The passes, unless a frame is adding to them.

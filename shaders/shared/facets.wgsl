@@ -29,6 +29,7 @@ struct Lobes {
     coat: f32,              // share of the surface under a clear coat
     coat_alpha: f32,        // width of the coat's highlight
     coat_chance: f32,       // share of the coat in `glossy`
+    coat_normal: vec3f,     // unit; normal textures do not turn it
 }
 
 // Returns the alpha of a surface's highlight. It is 0 for mirrors, glass and veils, and 1 for matte surfaces.
@@ -112,9 +113,11 @@ fn with_highlights(
 }
 
 // Adds a clear coat of this share and alpha. What it reflects does not reach the surface below.
-fn with_coat(before: Lobes, share: f32, alpha: f32, facing: f32) -> Lobes {
+fn with_coat(before: Lobes, share: f32, alpha: f32, normal: vec3f, to_viewer: vec3f) -> Lobes {
     var lobes = before;
     if share <= 0.0 || lobes.is_glass { return lobes; }
+    let facing = clamp(dot(normal, to_viewer), 0.0, 1.0);
+    lobes.coat_normal = normal;
     var shares = vec2f(1.0 - pow(1.0 - facing, 5.0), pow(1.0 - facing, 5.0));
     if alpha > LEAST_ALPHA { shares = reflected_shares(alpha, facing); }
     let reflected = share * (COAT_REFLECTANCE * shares.x + shares.y);

@@ -16,6 +16,7 @@ struct Surfaces {
     exponent: F,            // Phong's exponent, or alpha of facets
     coat: F,                // share of the surface under a clear coat
     coat_alpha: F,          // width of the coat's highlight
+    coat_normal: F3,        // unit
     emission: F3,
     sends: U,               // 1 for mirrors, glass and veils, which are shaded later
 }

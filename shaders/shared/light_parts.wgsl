@@ -42,7 +42,7 @@ fn keep_parts(index: u32, vertex: Vertex, sum: Brought, rest: vec3f) {
         vertex.point.z,
         1.0,
         lobe_width(lobes),
-        select(lobes.reflectance, vec3f(1.0), lobes.is_glass),
+        select(lobes.reflectance + lobes.coat * COAT_REFLECTANCE, vec3f(1.0), lobes.is_glass),
         0u,
     );
 }

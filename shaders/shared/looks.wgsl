@@ -64,21 +64,21 @@ fn look_at(rays: Rays, hits: Hits, surface: Surface, material: Material, factor:
         let dielectric = at_normal * at_normal * principled.specular;
         look.lobes = with_highlights(look.lobes, dielectric, principled.grazing, base, metallic, alpha, facing);
     }
-    return coated(look, rays, hits, surface, facing, ray);
+    return coated(look, rays, hits, surface, to_viewer, ray);
 }
 
 //! if light is paths and principled is some and coats is none
-fn coated(look: Look, rays: Rays, hits: Hits, surface: Surface, facing: f32, ray: u32) -> Look { return look; }
+fn coated(look: Look, rays: Rays, hits: Hits, surface: Surface, to_viewer: vec3f, ray: u32) -> Look { return look; }
 
 //! if light is paths and principled is some and coats is some
 // Adds a surface's clear coat, which also covers what emits light.
-fn coated(bare: Look, rays: Rays, hits: Hits, surface: Surface, facing: f32, ray: u32) -> Look {
+fn coated(bare: Look, rays: Rays, hits: Hits, surface: Surface, to_viewer: vec3f, ray: u32) -> Look {
     let coat = coat_at(surface.material);
     if coat.share <= 0.0 { return bare; }
     let share = coat.share * map_color(rays, hits, surface, coat.texture, ray).x;
     let roughness = coat.roughness * map_color(rays, hits, surface, coat.roughness_texture, ray).y;
     var look = bare;
-    look.lobes = with_coat(bare.lobes, share, roughness * roughness, facing);
+    look.lobes = with_coat(bare.lobes, share, roughness * roughness, surface.shading_normal, to_viewer);
     look.emission *= 1.0 - look.lobes.coat_chance * look.lobes.glossy;
     return look;
 }

@@ -96,6 +96,7 @@ fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, mater
     if COATS {
         shining.coat = with_ray(surfaces.coat, ray, lobes.coat);
         shining.coat_alpha = with_ray(surfaces.coat_alpha, ray, lobes.coat_alpha);
+        shining.coat_normal = with_ray3(surfaces.coat_normal, ray, lobes.coat_normal);
     }
     return shining;
 }
@@ -114,7 +115,10 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
     let color = add3(surfaces.specular, times3(surfaces.grazing, grazing));
     var shine = times3(color, facet_share(surfaces.exponent, upright, facing, seen));
     if COATS {
-        let share = surfaces.coat * facet_share(surfaces.coat_alpha, upright, facing, seen);
+        let top = surfaces.coat_normal;
+        let top_upright = clamp(dot3(top, half_way), F(0.0), F(1.0));
+        let top_seen = max(dot3(top, to_eye), F(1e-4));
+        let share = surfaces.coat * facet_share(surfaces.coat_alpha, top_upright, -dot3(top, from_light), top_seen);
         let above = share * (COAT_REFLECTANCE + (1.0 - COAT_REFLECTANCE) * grazing);
         shine = add3(shine, F3(above, above, above));
     }
@@ -153,13 +157,17 @@ fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u3
     let aside = clamp((x * to_eye.x + y * to_eye.y + z * to_eye.z) * scale, vec4f(0.0), vec4f(1.0));
     let seen = max(dot(n, to_eye), 1e-4);
     let grazing = pow(1.0 - aside, vec4f(5.0));
-    let wanted = select(vec4f(0.0), vec4f(1.0), rays.wanted);
-    let plain = four_facet_shares(of_ray(surfaces.exponent, ray), upright, facing, seen) * wanted;
+    let shares = four_facet_shares(of_ray(surfaces.exponent, ray), upright, facing, seen);
+    let plain = select(vec4f(0.0), shares, rays.wanted);
     var shine = FourShine(plain, plain * grazing, vec4f(0.0));
     if COATS {
-        let share = four_facet_shares(of_ray(surfaces.coat_alpha, ray), upright, facing, seen) * wanted;
+        let top = of_ray3(surfaces.coat_normal, ray);
+        let top_upright = clamp((x * top.x + y * top.y + z * top.z) * scale, vec4f(0.0), vec4f(1.0));
+        let top_facing = rays.x * top.x + rays.y * top.y + rays.z * top.z;
+        let top_seen = max(dot(top, to_eye), 1e-4);
+        let coat = four_facet_shares(of_ray(surfaces.coat_alpha, ray), top_upright, top_facing, top_seen);
         let above = COAT_REFLECTANCE + (1.0 - COAT_REFLECTANCE) * grazing;
-        shine.coat = of_ray(surfaces.coat, ray) * share * above;
+        shine.coat = select(vec4f(0.0), of_ray(surfaces.coat, ray) * coat * above, rays.wanted);
     }
     return shine;
 }

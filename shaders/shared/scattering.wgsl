@@ -76,31 +76,44 @@ struct Reflected {
 
 fn reflectance_of(vertex: Vertex, to_light: vec3f) -> Reflected {
     var result: Reflected;
-    let cosine = dot(vertex.normal, to_light);
-    if cosine <= 0.0 || dot(vertex.geometric_normal, to_light) <= 0.0 { return result; }
+    if dot(vertex.geometric_normal, to_light) <= 0.0 { return result; }
     let lobes = vertex.lobes;
     let chance = glossy_chance(lobes);
-    result.diffuse = cosine * INVERSE_PI;
-    result.diffuse_density = (1.0 - chance) * lobes.opacity * result.diffuse;
-    if lobes.alpha > LEAST_ALPHA && !lobes.is_glass {
-        let facing = max(dot(vertex.normal, vertex.to_viewer), 1e-4);
-        let half_way = normalize(to_light + vertex.to_viewer);
-        let facets = facet_density(lobes.alpha, clamp(dot(half_way, vertex.normal), 0.0, 1.0));
-        let share = facets * facet_visibility(lobes.alpha, cosine, facing) * cosine;
-        result.glossy = schlick(lobes, clamp(dot(half_way, to_light), 0.0, 1.0)) * share;
-        let density = facets * bounded_density(lobes.alpha, facing);
-        result.glossy_density = chance * (1.0 - lobes.coat_chance) * lobes.opacity * density;
+    let cosine = dot(vertex.normal, to_light);
+    if cosine > 0.0 {
+        result.diffuse = cosine * INVERSE_PI;
+        result.diffuse_density = (1.0 - chance) * lobes.opacity * result.diffuse;
+        if lobes.alpha > LEAST_ALPHA && !lobes.is_glass {
+            let facets = reflected_by_facets(lobes.alpha, vertex.normal, vertex.to_viewer, to_light);
+            result.glossy = schlick(lobes, facets.aside) * facets.share;
+            result.glossy_density = chance * (1.0 - lobes.coat_chance) * lobes.opacity * facets.density;
+        }
     }
-    if COATS && lobes.coat > 0.0 && lobes.coat_alpha > LEAST_ALPHA {
-        let facing = max(dot(vertex.normal, vertex.to_viewer), 1e-4);
-        let half_way = normalize(to_light + vertex.to_viewer);
-        let facets = facet_density(lobes.coat_alpha, clamp(dot(half_way, vertex.normal), 0.0, 1.0));
-        let share = facets * facet_visibility(lobes.coat_alpha, cosine, facing) * cosine;
-        result.glossy += coat_schlick(lobes, clamp(dot(half_way, to_light), 0.0, 1.0)) * share;
-        let density = facets * bounded_density(lobes.coat_alpha, facing);
-        result.glossy_density += chance * lobes.coat_chance * lobes.opacity * density;
+    if COATS && lobes.coat_alpha > LEAST_ALPHA && dot(lobes.coat_normal, to_light) > 0.0 {
+        let facets = reflected_by_facets(lobes.coat_alpha, lobes.coat_normal, vertex.to_viewer, to_light);
+        result.glossy += coat_schlick(lobes, facets.aside) * facets.share;
+        result.glossy_density += chance * lobes.coat_chance * lobes.opacity * facets.density;
     }
     return result;
+}
+
+// Light that facets of reflectance 1 reflect to the viewer from one direction.
+struct FacetLight {
+    share: f32,     // reflectance times cosine
+    density: f32,   // of the direction, per steradian
+    aside: f32,     // cosine of the angle between the direction and the facet
+}
+
+fn reflected_by_facets(alpha: f32, normal: vec3f, to_viewer: vec3f, to_light: vec3f) -> FacetLight {
+    let cosine = dot(normal, to_light);
+    let facing = max(dot(normal, to_viewer), 1e-4);
+    let half_way = normalize(to_light + to_viewer);
+    let facets = facet_density(alpha, clamp(dot(half_way, normal), 0.0, 1.0));
+    return FacetLight(
+        facets * facet_visibility(alpha, cosine, facing) * cosine,
+        facets * bounded_density(alpha, facing),
+        clamp(dot(half_way, to_light), 0.0, 1.0),
+    );
 }
 
 // The way of a path from a vertex to the next.
@@ -142,19 +155,20 @@ fn scattered(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
         return result;
     }
     let in_coat = COATS && chosen < chance * lobes.coat_chance;
+    let normal = select(vertex.normal, lobes.coat_normal, in_coat);
     let alpha = select(lobes.alpha, lobes.coat_alpha, in_coat);
     if alpha <= LEAST_ALPHA {
-        let cosine = dot(vertex.normal, vertex.to_viewer);
-        let mirrored = vertex.normal * (2.0 * cosine) - vertex.to_viewer;
+        let cosine = dot(normal, vertex.to_viewer);
+        let mirrored = normal * (2.0 * cosine) - vertex.to_viewer;
         result.direction = normalize(kept_above(mirrored, vertex.geometric_normal));
         result.side = 1.0;
         let upright = clamp(cosine, 0.0, 1.0);
         result.weight = select(schlick(lobes, upright), vec3f(coat_schlick(lobes, upright)), in_coat);
         result.weight /= chance * select(1.0 - lobes.coat_chance, lobes.coat_chance, in_coat);
     } else {
-        let facing = max(dot(vertex.normal, vertex.to_viewer), 1e-4);
+        let facing = max(dot(normal, vertex.to_viewer), 1e-4);
         let bound = bound_of(alpha, facing);
-        let facet = facet_towards(vertex.normal, vertex.to_viewer, alpha, bound, at);
+        let facet = facet_towards(normal, vertex.to_viewer, alpha, bound, at);
         result.direction = normalize(facet * (2.0 * dot(vertex.to_viewer, facet)) - vertex.to_viewer);
         let there = reflectance_of(vertex, result.direction);
         result.density = there.glossy_density;

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Last step of the finished band of rows.
+    /// Last step of the finished band of rows, or `denoise` before rows are denoised.
     pub pass: &'static str,
     /// Share of the frame's rows that are done, 0 to 1. It restarts if a frame is rendered again
     /// ([`Statistics::in_steps`](crate::Statistics::in_steps)).

@@ -77,8 +77,8 @@ impl<'a, C> FrameBuilder<'a, C> {
         self
     }
 
-    /// Sets a callback for the progress. It is called after every band of rows and may stop the frame. Frames that are
-    /// encoded do not call it.
+    /// Sets a callback for the progress. It is called after every band of rows, and before rows are denoised, and may
+    /// stop the frame. Frames that are encoded do not call it.
     pub fn progress(mut self, progress: &'a mut OnProgress<'a>) -> Self {
         self.progress = Box::new(progress);
         self
@@ -157,11 +157,11 @@ impl FrameBuilder<'_, Rig> {
     /// # Ok::<(), stereotrace::Error>(())
     /// ```
     ///
+    /// # Errors
     /// [`Error::Camera`] for an invalid camera; [`Error::Rig`] for a rig that can't be rendered; [`Error::Samples`] for
     /// an unsupported number of samples; [`Error::Limit`] for a picture that the adapter can't bind;
     /// [`Error::Cancelled`] if the progress callback breaks; [`Error::ForeignScene`] for a scene on another
     /// [`Gpu`](crate::Gpu); [`Error::DeviceLost`] and [`Error::OutOfMemory`].
-    /// [`Gpu`](crate::Gpu), [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn read(self) -> Result<Views, Error> {
         self.views(None).await
     }

@@ -57,8 +57,10 @@ impl Renderer {
             }
         }
         if let (true, Some(timestamps), Some(times)) = (options.denoise, &mut self.timestamps, &mut done.times) {
-            let own = timestamps.read(&self.gpu).await?;
-            own.iter().for_each(|own| times.add(own));
+            match timestamps.read(&self.gpu).await? {
+                Some(own) => times.add(&own),
+                None => done.times = None, // too many passes
+            }
         }
         Ok(())
     }

@@ -10,7 +10,8 @@ use crate::{
 
 /// The passes of a picture so far. [`FrameBuilder::add_to`](crate::FrameBuilder::add_to) renders one more pass, and
 /// returns the mean of all passes. So a picture can be shown early, and refined for as long as its noise matters. A
-/// pass that is stopped leaves the earlier ones as they are.
+/// pass that is stopped while it is traced leaves the earlier ones as they are. If denoising is stopped, the pass
+/// counts, and only its picture is lost.
 ///
 /// Passes by paths continue the pixels' sequences of random numbers. Their number of paths may differ from pass to
 /// pass, and counts as their weight. If a pixel has several samples, jitter moves them from pass to pass.
@@ -42,7 +43,7 @@ pub struct Passes {
 #[derive(Debug)]
 struct Begun {
     common: Common,
-    /// Cost of all passes.
+    /// Cost of all passes, without denoising.
     done: Done,
     /// Data of the first pass that do not depend on its random numbers, without colours.
     rows: Vec<ViewRows>,

@@ -49,9 +49,7 @@ impl Beside {
         replace(&mut self.colors, range.clone(), (&mesh.colors, count), self.with_colors > 0, (NO_COLORS, triangles));
         replace(&mut self.tangents, range, (tangents, count), self.with_tangents > 0, (NO_TANGENTS, triangles));
     }
-}
 
-impl Beside {
     /// Transforms the tangents of a range of triangles.
     pub(super) fn transform_tangents(&mut self, range: Range<usize>, transform: &Affine3A) {
         let corners = self.tangents.get_mut(range).unwrap_or_default().as_flattened_mut();

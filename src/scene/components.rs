@@ -30,7 +30,7 @@ pub(crate) fn of(scene: &Scene) -> Vec<u32> {
 }
 
 /// Returns a position as a key; 0 and -0 are equal.
-fn welded(corner: Vec3) -> [u32; 3] {
+pub(super) fn welded(corner: Vec3) -> [u32; 3] {
     corner.to_array().map(|v| (v + 0.0).to_bits())
 }
 

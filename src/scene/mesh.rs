@@ -220,11 +220,16 @@ impl Scene {
     pub(crate) fn push_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
         let triangles = self.checked_triangles(mesh)?;
         let tangents = self.tangents_of(mesh, &triangles);
+        self.push_checked(mesh, triangles, &tangents);
+        Ok(())
+    }
+
+    /// Adds a mesh with these tangents, whose triangles have been checked.
+    pub(crate) fn push_checked(&mut self, mesh: &Mesh, triangles: Vec<Triangle>, tangents: &[[Vec4; 3]]) {
         let end = self.triangles.len();
         self.mesh_objects.push(Object::new(mesh, !tangents.is_empty(), end as u32));
-        self.beside.replace(end..end, (mesh, &tangents), None, end);
+        self.beside.replace(end..end, (mesh, tangents), None, end);
         self.replace_triangles(end..end, triangles);
-        Ok(())
     }
 
     /// Replaces a range of triangles and updates the counts of dropped and smooth ones.

@@ -17,7 +17,7 @@ pub(crate) mod principled;
 mod serialised;
 pub(crate) mod sky;
 pub(crate) mod smooth;
-mod tangents;
+pub(crate) mod tangents;
 pub(crate) mod texture;
 
 pub(crate) use ellipsoid::ToSphere;

@@ -98,7 +98,10 @@ fn scene(given: GivenScene<'_>) -> Result<Scene, Error> {
         let added = Mesh::new(corners, triangles).name(mesh.name).materials(materials).normals(normals);
         // Dropped triangles were logged when the mesh was first added.
         let added = added.uv(mesh.uv.into_owned()).colors(mesh.colors.into_owned());
-        scene.push_mesh(&added.tangents(mesh.tangents.into_owned()))?;
+        // A mesh that had no tangents gets none.
+        let added = added.tangents(mesh.tangents.into_owned());
+        let triangles = scene.checked_triangles(&added)?;
+        scene.push_checked(&added, triangles, &added.tangents);
     }
     given.spheres.iter().try_for_each(|sphere| scene.add_sphere(*sphere))?;
     given.ellipsoids.iter().try_for_each(|ellipsoid| scene.add_ellipsoid(*ellipsoid))?;

@@ -164,3 +164,21 @@ fn coarse_balls_are_lit_like_fine_ones() {
     let errors = [error(&coarse), error(&flat)];
     assert!(errors[0] < 0.03 && errors[1] > 1.3 * errors[0], "{errors:?}");
 }
+
+/// Tests that a clear coat reflects by the surface's own normal. The tilted base is black.
+#[test]
+fn clear_coats_stay_smooth() {
+    let mut renderer = renderer();
+    let mut scene = floor(Vec3::X, Vec3::NEG_Z, Vec3::Y);
+    let mut material = scene.materials()[1].clone();
+    let mut surface = material.principled.unwrap().clearcoat(1.0, 0.0);
+    surface.base = Vec3::ZERO;
+    material.principled = Some(surface);
+    scene.set_material(stereotrace::MaterialId(1), material).unwrap();
+    scene.lights.clear();
+    scene.sky = Sky::Gradient { nadir: Vec3::ZERO, zenith: Vec3::ONE };
+    let camera = StereoCamera::look_at(Vec3::new(0.1, 3.0, 0.2), Vec3::new(0.1, 0.0, 0.2)).up(Vec3::NEG_Z);
+    let found = middle(&mut renderer, &scene, &camera.size(3, 3).vertical_fov_degrees(5.0).interaxial(0.0));
+    // A normal tilted by 31 degrees would mirror the sky 62 degrees from the zenith, which is a third darker.
+    assert!((found - 0.04).abs() < 1e-3, "{found}");
+}

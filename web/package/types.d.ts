@@ -213,6 +213,10 @@ export interface Surface {
     /** Normals in tangent space, with green up. */
     normalTexture?: number;
     emissionTexture?: number;
+    /** Its red multiplies `clearcoat`. */
+    clearcoatTexture?: number;
+    /** Its green multiplies `clearcoatRoughness`. */
+    clearcoatRoughnessTexture?: number;
 }
 
 /** A point light, or with a radius a spherical light, whose shadows have a penumbra. Lengths are in world units. */

@@ -32,7 +32,10 @@ const LEGENDS = {
 };
 /** Passes of the left eye alone, and passes that both eyes share. All others belong to the right eye. */
 const LEFT_PASSES = ["trace_left"];
-const SHARED_PASSES = ["trace_hits", "trace_soft", "shade_hits", "list_mirrors", "trace_mirrored", "pack"];
+const SHARED_PASSES = [
+    "trace_hits", "trace_soft", "shade_hits", "list_mirrors", "trace_mirrored", "pack", "begin_paths", "trace_paths", "add_brought",
+    "smooth_variances", "smooth_light_once",
+];
 
 /** The engine: it is asked by messages and answers each of them. */
 class Engine {
@@ -153,6 +156,8 @@ let wish = null;
 let running = null;
 /** Whether the last picture is refined while nothing else is asked for. */
 let refining = false;
+/** Whether a task waits for the engine, or uses it. */
+let paused = false;
 let settle = 0;
 
 /** Asks for a draft soon, and for a whole picture once nothing moves. */
@@ -174,7 +179,7 @@ function ask(what) {
 }
 
 async function work() {
-    while (wish || refining) {
+    while (!paused && (wish || refining)) {
         const what = wish ?? "refine";
         wish = null;
         running = what === "show" ? "other" : what;
@@ -193,9 +198,9 @@ async function work() {
 /** Adds a pass to the last picture. */
 async function refine() {
     const { view, glasses } = settings();
-    const done = await engine.ask("refine", { view, glasses });
+    const done = await engine.ask("refine", { view, glasses, first: PATHS.first, bounces: PATHS.bounces });
     put(done.images);
-    figures(done, seen().size, 1);
+    figures({ ...done, deviceMs: undefined, statistics: { ...done.statistics, passes: undefined } }, seen().size, 1);
     refining &&= done.paths < PATHS.last;
 }
 
@@ -219,7 +224,7 @@ async function render(draft) {
         pixelMs = done.ms / pixels;
         figures(done, request.camera.size, scale);
         compared(done.difference ? done : null);
-        refining = request.paths && view !== "difference" && !wish;
+        refining = request.paths && view !== "difference" && (wish === null || wish === "show");
         if (done.lost > lost) notice("The graphics device was lost, and was opened again.");
         lost = done.lost;
         document.documentElement.dataset.state = draft ? "draft" : "whole";
@@ -241,7 +246,10 @@ function draftScale(samples) {
 /** Shows the last pair in the chosen view. */
 async function show() {
     const { view, glasses } = settings();
-    if (view === "difference") compared(await engine.ask("compare"));
+    if (view === "difference") {
+        refining = false;
+        compared(await engine.ask("compare"));
+    }
     put((await engine.ask("show", { view, glasses })).images);
 }
 
@@ -250,6 +258,7 @@ async function show() {
  * @param {string} text @param {(tell: (done: number) => void) => Promise<void>} task
  */
 async function alone(text, task) {
+    paused = true;
     if (running) engine.stop();
     while (running) await new Promise((done) => setTimeout(done, 20));
     running = "other";
@@ -263,6 +272,7 @@ async function alone(text, task) {
         await failed(error);
     } finally {
         running = null;
+        paused = false;
         element("stop").hidden = true;
         for (const button of buttons) button.disabled = false;
         say("");

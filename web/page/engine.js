@@ -20,8 +20,6 @@ let stopping = new AbortController();
 
 /** The sky behind a file without one, and the number of lights beside the eyes if the file has none. */
 const BACKDROP = /** @type {const} */ ({ nadir: [0.26, 0.27, 0.29], zenith: [0.52, 0.56, 0.62], lights: 3 });
-/** Bounces of light by paths. */
-const BOUNCES = 3;
 /** Measured methods. A sweep on the host shows nothing about a GPU. */
 const MEASURED = methods().filter((name) => name !== "adelson-hodges" && name !== "auto");
 
@@ -110,7 +108,7 @@ async function timed(camera, options, refined) {
 /** Returns the exposure of a file's pictures, which its first picture decides. @param {Camera} camera @param {RenderOptions} options */
 async function exposure(camera, options) {
     if (!open.scene?.info.physicallyBased) return 0;
-    const key = `${open.lights} ${options.lighting}`;
+    const key = `${open.lights} ${Boolean(options.lighting)}`;
     const known = exposures.get(key) ?? await renderer.suggestExposure(open.scene, camera, options);
     exposures.set(key, known);
     return known;
@@ -120,7 +118,7 @@ async function compared() {
     const frame = shown();
     if (!frame.truth) {
         const options = { ...frame.options, method: "naive", signal: stopping.signal };
-        if (passes) options.lighting = `paths=${passes.paths}:${BOUNCES}`;
+        if (passes) options.lighting = `paths=${passes.paths}:${frame.options.lighting?.split(":")[1]}`;
         const { pair, ms } = await timed(frame.camera, options);
         [frame.truth, frame.truthMs] = [pair, ms];
     }
@@ -148,6 +146,7 @@ const tasks = {
 
     /** @param {any} request */
     async render({ camera, options: asked, paths, lights, view, glasses, compare }, tell) {
+        const { signal } = stopping;
         if (lights !== open.lights) {
             if (!lights && open.source) {
                 // The scene's own lights come back with the scene.
@@ -160,7 +159,7 @@ const tasks = {
         }
         const options = { ...asked, exposure: await exposure(camera, asked) };
         const begun = paths ? new Passes() : null;
-        const { pair, ms } = await timed(camera, { ...options, signal: stopping.signal, onProgress: tell }, begun);
+        const { pair, ms } = await timed(camera, { ...options, signal, onProgress: tell }, begun);
         forget();
         last = { pair, camera, options };
         passes = begun;
@@ -169,11 +168,22 @@ const tasks = {
     },
 
     /** Adds a pass to the last pair. @param {any} request */
-    async refine({ view, glasses }) {
-        const { pair: before, camera, options } = shown();
+    async refine({ view, glasses, first, bounces }) {
+        const { pair: before, truth, camera, options } = shown();
+        const { signal } = stopping;
         if (!passes) throw new Error("nothing is refined");
-        const { pair, ms } = await timed(camera, { ...options, signal: stopping.signal }, passes);
+        const lost = renderer.devicesLost;
+        // Later passes are longer, so that denoising takes a small share of the time.
+        const lighting = `paths=${Math.max(first, Math.floor(passes.paths / 4))}:${bounces}`;
+        const { pair, ms } = await timed(camera, { ...options, lighting, signal }, passes).catch((error) => {
+            // The passes belong to the device that was lost; the picture begins anew.
+            if (renderer.devicesLost === lost || !passes) throw error;
+            passes.free();
+            passes = new Passes();
+            return timed(camera, { ...options, signal }, passes);
+        });
         before.free();
+        truth?.free();
         last = { pair, camera, options };
         return pictured(view, glasses, { ms });
     },
@@ -197,7 +207,9 @@ const tasks = {
     /** @param {any} request */
     async quilt({ camera, options, columns, rows, name }, tell) {
         if (!open.scene) throw new Error("no scene is open");
-        const views = await renderer.views(open.scene, camera, columns * rows, { ...options, signal: stopping.signal, onProgress: tell });
+        const { signal } = stopping;
+        const exposed = { ...options, exposure: await exposure(camera, options) };
+        const views = await renderer.views(open.scene, camera, columns * rows, { ...exposed, signal, onProgress: tell });
         const result = { blob: await png(views.quilt(columns, rows)), name: views.quiltName(name, columns, rows), traced: views.traced };
         views.free();
         return result;

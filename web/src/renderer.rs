@@ -88,7 +88,8 @@ impl Renderer {
 
     /// Renders one more pass of a pair, and returns the mean of all passes. They must have the same scene, camera and
     /// options, except `exposure`, `tone` and the number of paths, which is the pass's weight; otherwise it rejects
-    /// with a `TypeError`. A pass that is aborted leaves the earlier ones as they are. Rejects as `render` does.
+    /// with a `TypeError`. A pass that is aborted while it is traced leaves the earlier ones as they are. Rejects as
+    /// `render` does.
     #[wasm_bindgen(js_name = addTo, unchecked_return_type = "Pair")]
     pub async fn add_to(
         &self,
@@ -107,9 +108,9 @@ impl Renderer {
                 .add_to(&mut all)
                 .await
         };
-        let pair = self.with_scene(&scene.shared, frame).await?;
+        let pair = self.with_scene(&scene.shared, frame).await;
         passes.tell(&all);
-        Ok(Pair(pair))
+        Ok(Pair(pair?))
     }
 
     /// Returns an exposure in stops, for the option `exposure`, by which a scene's picture is neither dark nor burnt.

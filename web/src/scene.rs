@@ -346,7 +346,7 @@ struct GivenMaterial {
 
 /// `Surface` of `types.d.ts`.
 #[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
 struct GivenSurface {
     base: Option<[f32; 3]>,
     metallic: Option<f32>,
@@ -364,6 +364,8 @@ struct GivenSurface {
     metallic_texture: Option<u32>,
     normal_texture: Option<u32>,
     emission_texture: Option<u32>,
+    clearcoat_texture: Option<u32>,
+    clearcoat_roughness_texture: Option<u32>,
 }
 
 fn surface_of(given: &GivenSurface, emission: Vec3) -> Principled {
@@ -382,6 +384,8 @@ fn surface_of(given: &GivenSurface, emission: Vec3) -> Principled {
     surface.metallic_texture = given.metallic_texture.map(TextureId);
     surface.normal_texture = given.normal_texture.map(TextureId);
     surface.emission_texture = given.emission_texture.map(TextureId);
+    surface.clearcoat_texture = given.clearcoat_texture.map(TextureId);
+    surface.clearcoat_roughness_texture = given.clearcoat_roughness_texture.map(TextureId);
     surface
 }
 

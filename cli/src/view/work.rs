@@ -302,7 +302,7 @@ impl Work {
         let pair = if in_passes { frame.add_to(&mut self.passes).wait()? } else { frame.read().wait()? };
         let paths = if in_passes { self.passes.paths() } else { 0 };
         let time = begin.elapsed();
-        if stage != Stage::Whole || wanted.options == drafted {
+        if stage != Stage::Whole || (wanted.options == drafted && !in_passes) {
             self.cost = Some(time.as_secs_f64() / (f64::from(w) * f64::from(h)));
         }
         Ok(Frame { version, whole: stage == Stage::Whole, pair, paths, time })

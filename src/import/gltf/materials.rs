@@ -69,6 +69,7 @@ pub(super) struct Surface {
     pub(super) material: MaterialId,
     pub(super) uv: UvRule,
     pub(super) is_textured: bool,
+    pub(super) has_normal_texture: bool,
     /// Whether the file's tangents apply to its normal texture.
     pub(super) uses_tangents: bool,
 }
@@ -112,11 +113,11 @@ impl<'a> Surfaces<'a> {
         let maps = material.principled.is_some_and(|surface| surface.textures().next().is_some());
         let is_textured = material.texture.is_some() || maps;
         // Tangents of a file belong to texture coordinates without a transform.
-        let has_normals = material.principled.is_some_and(|surface| surface.normal_texture.is_some());
-        let uses_tangents = has_normals && uv.matrix == Mat2::IDENTITY;
+        let has_normal_texture = material.principled.is_some_and(|surface| surface.normal_texture.is_some());
+        let uses_tangents = has_normal_texture && uv.matrix == Mat2::IDENTITY;
         self.new.push(material);
         let material = MaterialId((self.moved + self.new.len()) as u32 - 1);
-        let surface = Surface { material, uv, is_textured, uses_tangents };
+        let surface = Surface { material, uv, is_textured, has_normal_texture, uses_tangents };
         self.found.insert(index, surface);
         Ok(surface)
     }

@@ -26,6 +26,7 @@ use crate::{
     scene::{
         Mesh,
         smooth::{smooth_normals, unit},
+        tangents::tangents,
     },
 };
 
@@ -53,9 +54,12 @@ impl<'a> Meshes<'a> {
         let document = self.document;
         let description = document.item(("meshes", &document.root.meshes), mesh, format_args!("nodes[{node}]"))?;
         if !self.read.contains_key(&mesh) {
-            let read = read(document, mesh, description, surfaces, warnings)?;
-            let read = read.name(description.name.as_deref().unwrap_or_default());
-            self.read.insert(mesh, self.smoothed(read));
+            let (read, lacks_tangents) = read(document, mesh, description, surfaces, warnings)?;
+            let mut read = self.smoothed(read.name(description.name.as_deref().unwrap_or_default()));
+            if lacks_tangents && !read.uv.is_empty() {
+                read.tangents = tangents(&read);
+            }
+            self.read.insert(mesh, read);
         }
         let read = &self.read[&mesh];
         self.triangles += read.triangles.len() as u64;
@@ -133,14 +137,14 @@ fn placed(mesh: &Mesh, place: DAffine3) -> Mesh {
     mesh
 }
 
-/// Reads all triangle primitives of a mesh as one mesh.
+/// Reads all triangle primitives of a mesh as one mesh. Also returns whether it needs tangents that the file lacks.
 fn read(
     document: &Document,
     index: usize,
     description: &Description,
     surfaces: &mut Surfaces,
     warnings: &mut Warnings,
-) -> Result<Mesh, Error> {
+) -> Result<(Mesh, bool), Error> {
     let mut mesh = Mesh::default();
     let (mut clamped_colors, mut lacks_tangents) = (0, false);
     for (number, primitive) in description.primitives.iter().enumerate() {
@@ -166,7 +170,7 @@ fn read(
         document.check_size(&format!("meshes[{index}]"), "vertices", mesh.positions.len() as u64, 3)?;
     }
     if lacks_tangents {
-        // The scene computes the tangents of the whole mesh.
+        // Those of the whole mesh are computed.
         mesh.tangents.clear();
     }
     let count = mesh.triangles.len();
@@ -179,7 +183,7 @@ fn read(
         let text = format!("meshes[{index}]: colours outside 0 to 1, which are clamped, at {vertices}");
         warnings.warn("meshes with colours outside 0 to 1", None, text);
     }
-    Ok(mesh)
+    Ok((mesh, lacks_tangents))
 }
 
 /// Extends a list to one entry per triangle, unless it is empty.
@@ -244,7 +248,7 @@ fn add(
             unit(Vec3::new(x, y, z)).extend(if side < 0.0 { -1.0 } else { 1.0 })
         };
         mesh.tangents.extend(triangles.iter().map(|corners| corners.map(tangent)));
-    } else if surface.uses_tangents {
+    } else if surface.has_normal_texture {
         *lacks_tangents = true;
     }
     if let Some(colors) = attribute(Semantic::Colors(0)) {
