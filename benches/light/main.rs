@@ -8,6 +8,7 @@
 //! `--converged` and `--size` set the effort. Times cover the passes alone, so they do not include denoising. Names
 //! select scenes: room, built-in ones, or folders of OBJ files. The chart is written to target/bench/light.
 
+mod chart;
 #[path = "../common/mod.rs"]
 mod common;
 mod room;

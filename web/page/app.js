@@ -198,7 +198,7 @@ async function work() {
 /** Adds a pass to the last picture. */
 async function refine() {
     const { view, glasses } = settings();
-    const done = await engine.ask("refine", { view, glasses, first: PATHS.first, bounces: PATHS.bounces });
+    const done = await engine.ask("refine", { view, glasses, first: PATHS.first });
     put(done.images);
     figures({ ...done, deviceMs: undefined, statistics: { ...done.statistics, passes: undefined } }, seen().size, 1);
     refining &&= done.paths < PATHS.last;

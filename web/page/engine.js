@@ -105,6 +105,9 @@ async function timed(camera, options, refined) {
     return { pair, ms: performance.now() - begin };
 }
 
+/** Returns the number of bounces of light by paths. @param {RenderOptions} options */
+const bounces = (options) => Number(options.lighting?.split(":")[1]);
+
 /** Returns the exposure of a file's pictures, which its first picture decides. @param {Camera} camera @param {RenderOptions} options */
 async function exposure(camera, options) {
     if (!open.scene?.info.physicallyBased) return 0;
@@ -118,7 +121,7 @@ async function compared() {
     const frame = shown();
     if (!frame.truth) {
         const options = { ...frame.options, method: "naive", signal: stopping.signal };
-        if (passes) options.lighting = `paths=${passes.paths}:${frame.options.lighting?.split(":")[1]}`;
+        if (passes) options.lighting = `paths=${passes.paths}:${bounces(frame.options)}`;
         const { pair, ms } = await timed(frame.camera, options);
         [frame.truth, frame.truthMs] = [pair, ms];
     }
@@ -168,14 +171,16 @@ const tasks = {
     },
 
     /** Adds a pass to the last pair. @param {any} request */
-    async refine({ view, glasses, first, bounces }) {
+    async refine({ view, glasses, first }) {
         const { pair: before, truth, camera, options } = shown();
         const { signal } = stopping;
         if (!passes) throw new Error("nothing is refined");
         const lost = renderer.devicesLost;
         // Later passes are longer, so that denoising takes a small share of the time.
-        const lighting = `paths=${Math.max(first, Math.floor(passes.paths / 4))}:${bounces}`;
-        const { pair, ms } = await timed(camera, { ...options, lighting, signal }, passes).catch((error) => {
+        const paths = Math.max(first, Math.floor(passes.paths / 4));
+        /** @type {RenderOptions} */
+        const longer = { ...options, lighting: `paths=${paths}:${bounces(options)}`, signal };
+        const { pair, ms } = await timed(camera, longer, passes).catch((error) => {
             // The passes belong to the device that was lost; the picture begins anew.
             if (renderer.devicesLost === lost || !passes) throw error;
             passes.free();

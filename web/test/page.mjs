@@ -384,6 +384,10 @@ await test("light by paths is refined while nothing changes", async () => {
     const known = await paths();
     await choose(page, "view", "right");
     await refined(known + 4);
+    // Saving does not wait for the last pass.
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+    assert.equal(download.suggestedFilename(), "three-spheres_right.png");
+    await refined(known + 8);
     await choose(page, "view", "left");
     await choose(page, "light", "direct");
     assert.equal(await paths(), 0);
