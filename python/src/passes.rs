@@ -31,19 +31,22 @@ pub(crate) struct Passes {
 }
 
 impl Passes {
-    /// Takes the passes out for a frame.
+    /// Runs a frame that may add to passes, which are its own meanwhile.
     ///
     /// # Errors
-    /// If another frame has them.
-    pub(crate) fn take(&self) -> PyResult<stereotrace::Passes> {
-        let taken = self.all.lock().unwrap_or_else(PoisonError::into_inner).take();
-        taken.ok_or_else(|| refused("passes: another frame is adding to them"))
-    }
-
-    pub(crate) fn give_back(&self, all: stereotrace::Passes) {
-        self.count.store(all.count(), Ordering::Relaxed);
-        self.paths.store(all.paths(), Ordering::Relaxed);
-        *self.all.lock().unwrap_or_else(PoisonError::into_inner) = Some(all);
+    /// If another frame has the passes, and those of the frame.
+    pub(crate) fn lent<T>(
+        passes: Option<&Self>,
+        frame: impl FnOnce(Option<&mut stereotrace::Passes>) -> PyResult<T>,
+    ) -> PyResult<T> {
+        let Some(passes) = passes else { return frame(None) };
+        let taken = passes.all.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let mut all = taken.ok_or_else(|| refused("passes: another frame is adding to them"))?;
+        let done = frame(Some(&mut all));
+        passes.count.store(all.count(), Ordering::Relaxed);
+        passes.paths.store(all.paths(), Ordering::Relaxed);
+        *passes.all.lock().unwrap_or_else(PoisonError::into_inner) = Some(all);
+        done
     }
 }
 

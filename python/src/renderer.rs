@@ -303,18 +303,17 @@ impl Renderer {
     ) -> PyResult<StereoPair> {
         let request = Request::of(options)?;
         let wants_truth = request.needs_ground_truth();
-        let mut taken = passes.map(Passes::take).transpose()?;
-        let done = self.work(py, scene, progress, |renderer, uploaded, progress| {
-            let frame = renderer.pair(uploaded, &camera.0).options(&request.options).progress(progress);
-            let pair = match &mut taken {
-                None => frame.read().wait(),
-                Some(passes) => frame.add_to(passes).wait(),
-            }?;
-            let truth = wants_truth.then(|| renderer.ground_truth(uploaded, &scene.inner, &pair).wait()).transpose()?;
-            Ok::<(_, Option<GroundTruth>), Error>((pair, truth))
-        });
-        passes.zip(taken).into_iter().for_each(|(passes, all)| passes.give_back(all));
-        let (pair, truth) = done?;
+        let (pair, truth) = Passes::lent(passes, |passes| {
+            self.work(py, scene, progress, |renderer, uploaded, progress| {
+                let frame = renderer.pair(uploaded, &camera.0).options(&request.options).progress(progress);
+                let pair = match passes {
+                    None => frame.read().wait(),
+                    Some(passes) => frame.add_to(passes).wait(),
+                }?;
+                let truth = wants_truth.then(|| renderer.ground_truth(uploaded, &scene.inner, &pair).wait());
+                Ok::<(_, Option<GroundTruth>), Error>((pair, truth.transpose()?))
+            })
+        })?;
         StereoPair::of(py, Frame { pair, truth, camera, request })
     }
 
@@ -376,16 +375,16 @@ impl Renderer {
             Some(views) => rig.traced(views),
             None => rig,
         };
-        let mut taken = passes.map(Passes::take).transpose()?;
-        let done = self.work(py, scene, progress, |renderer, uploaded, progress| {
-            let frame = renderer.views(uploaded, &rig).options(&request.options).progress(progress);
-            match &mut taken {
-                None => frame.read().wait(),
-                Some(passes) => frame.add_to(passes).wait(),
-            }
-        });
-        passes.zip(taken).into_iter().for_each(|(passes, all)| passes.give_back(all));
-        Views::of(py, RigFrame { views: done?, camera, request })
+        let views = Passes::lent(passes, |passes| {
+            self.work(py, scene, progress, |renderer, uploaded, progress| {
+                let frame = renderer.views(uploaded, &rig).options(&request.options).progress(progress);
+                match passes {
+                    None => frame.read().wait(),
+                    Some(passes) => frame.add_to(passes).wait(),
+                }
+            })
+        })?;
+        Views::of(py, RigFrame { views, camera, request })
     }
 
     /// Finds a random camera in the free space of a scene, with the properties of ``camera``. Returns a tuple of the

@@ -100,8 +100,7 @@ fn with_highlights(
 ) -> Lobes {
     var lobes = before;
     lobes.alpha = alpha;
-    var shares = vec2f(1.0 - pow(1.0 - facing, 5.0), pow(1.0 - facing, 5.0));
-    if alpha > LEAST_ALPHA { shares = reflected_shares(alpha, facing); }
+    let shares = highlight_shares(alpha, facing);
     let lost = 1.0 / (shares.x + shares.y) - 1.0;
     let above = schlick_of(dielectric, max(vec3f(edge), dielectric), lost);
     let bare = schlick_of(metal, vec3f(1.0), lost);
@@ -112,14 +111,19 @@ fn with_highlights(
     return lobes;
 }
 
+// Returns the shares of `reflected_shares`, or those of a mirror.
+fn highlight_shares(alpha: f32, facing: f32) -> vec2f {
+    if alpha > LEAST_ALPHA { return reflected_shares(alpha, facing); }
+    return vec2f(1.0 - pow(1.0 - facing, 5.0), pow(1.0 - facing, 5.0));
+}
+
 // Adds a clear coat of this share and alpha. What it reflects does not reach the surface below.
 fn with_coat(before: Lobes, share: f32, alpha: f32, normal: vec3f, to_viewer: vec3f) -> Lobes {
     var lobes = before;
     if share <= 0.0 || lobes.is_glass { return lobes; }
     let facing = clamp(dot(normal, to_viewer), 0.0, 1.0);
     lobes.coat_normal = normal;
-    var shares = vec2f(1.0 - pow(1.0 - facing, 5.0), pow(1.0 - facing, 5.0));
-    if alpha > LEAST_ALPHA { shares = reflected_shares(alpha, facing); }
+    let shares = highlight_shares(alpha, facing);
     let reflected = share * (COAT_REFLECTANCE * shares.x + shares.y);
     lobes.coat = share;
     lobes.coat_alpha = alpha;

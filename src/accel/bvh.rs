@@ -7,7 +7,7 @@ mod refit;
 
 use std::sync::Arc;
 
-pub(crate) use primitive::reach_bits;
+pub(crate) use primitive::{pack_normal, reach_bits};
 #[cfg(any(test, feature = "testing"))]
 pub(crate) use primitive::{shortest_edge, shortest_edge_first};
 pub(crate) use refit::TreeShape;

@@ -21,11 +21,13 @@ impl PassTimes {
 
     /// Adds the times of passes, by name.
     pub(crate) fn add(&mut self, others: &Self) {
-        for &(name, time) in &others.passes {
-            match self.passes.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, sum)) => *sum += time,
-                None => self.passes.push((name, time)),
-            }
+        others.passes.iter().for_each(|&(name, time)| self.add_one(name, time));
+    }
+
+    fn add_one(&mut self, name: &'static str, time: Duration) {
+        match self.passes.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, sum)) => *sum += time,
+            None => self.passes.push((name, time)),
         }
     }
 }
@@ -130,10 +132,6 @@ pub(crate) fn add_times(times: &mut PassTimes, names: &[&'static str], ticks: &[
     let period = f64::from(gpu.queue.get_timestamp_period());
     for (name, pair) in names.iter().zip(ticks.chunks_exact(16)) {
         let [begin, end]: [u64; 2] = bytemuck::pod_read_unaligned(pair);
-        let time = std::time::Duration::from_nanos((end.saturating_sub(begin) as f64 * period) as u64);
-        match times.passes.iter_mut().find(|(known, _)| known == name) {
-            Some((_, sum)) => *sum += time,
-            None => times.passes.push((name, time)),
-        }
+        times.add_one(name, Duration::from_nanos((end.saturating_sub(begin) as f64 * period) as u64));
     }
 }

@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::{
+    accel::bvh::pack_normal,
     kernel::layout::{LightParts, NO_LIGHT, NO_NORMAL},
     srgb::BRIGHTNESS,
 };
@@ -107,7 +108,7 @@ impl PartSums {
             glossy: (self.glossy / self.surface).to_array(),
             glossy_variance: variance(self.weights.y, own.y, spread.y),
             albedo: self.albedo.to_array(),
-            normal: octahedral(self.normal.normalize()),
+            normal: pack_normal(self.normal.normalize()),
             rest,
             point_x,
             point_y,
@@ -120,24 +121,14 @@ impl PartSums {
     }
 }
 
-/// Folds the corners of a square over its inner diamond, or back.
-fn folded(at: Vec2) -> Vec2 {
-    (1.0 - Vec2::new(at.y, at.x).abs()) * Vec2::select(at.cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE)
-}
-
-/// Folds a unit vector onto a square, as `octahedral` of `shaders/shared/octahedral.wgsl` does.
-fn octahedral(normal: Vec3) -> u32 {
-    let flat = normal.truncate() / normal.abs().element_sum();
-    let place = if normal.z < 0.0 { folded(flat) } else { flat };
-    let word = |value: f32| u32::from((value.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
-    word(place.x) | (word(place.y) << 16)
-}
-
+/// Returns the unit vector that `pack_normal` has packed.
 fn from_octahedral(packed: u32) -> Vec3 {
     let part = |bits: u32| (f32::from(bits as u16 as i16) / 32767.0).max(-1.0);
     let flat = Vec2::new(part(packed), part(packed >> 16));
     let z = 1.0 - flat.abs().element_sum();
-    (if z < 0.0 { folded(flat) } else { flat }).extend(z).normalize()
+    let sign = Vec2::select(flat.cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE);
+    let place = if z < 0.0 { (1.0 - Vec2::new(flat.y, flat.x).abs()) * sign } else { flat };
+    place.extend(z).normalize()
 }
 
 #[cfg(test)]
@@ -149,7 +140,7 @@ mod tests {
         LightParts {
             diffuse: [diffuse; 3],
             albedo: [albedo; 3],
-            normal: octahedral(normal),
+            normal: pack_normal(normal),
             rest: [0.25; 3],
             ..LightParts::default()
         }
@@ -160,12 +151,12 @@ mod tests {
         let mut random = Random::new(1);
         for _ in 0..1000 {
             let normal = random.point(1.0).normalize_or(Vec3::Z);
-            assert!(from_octahedral(octahedral(normal)).distance(normal) < 1e-4, "{normal}");
+            assert!(from_octahedral(pack_normal(normal)).distance(normal) < 1e-4, "{normal}");
         }
         for axis in Vec3::AXES {
             for normal in [axis, -axis] {
-                assert!(from_octahedral(octahedral(normal)).distance(normal) < 1e-4, "{normal}");
-                assert_ne!(octahedral(normal), NO_NORMAL);
+                assert!(from_octahedral(pack_normal(normal)).distance(normal) < 1e-4, "{normal}");
+                assert_ne!(pack_normal(normal), NO_NORMAL);
             }
         }
     }

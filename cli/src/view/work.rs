@@ -183,7 +183,7 @@ impl Work {
             match self.render(&mut uploaded, &wanted, next) {
                 Ok(frame) => {
                     stage = match frame.whole {
-                        true if self.has_passes(&wanted) && frame.paths < MOST_PATHS => Stage::Whole,
+                        true if has_passes(&wanted.options) && frame.paths < MOST_PATHS => Stage::Whole,
                         true => Stage::Final,
                         false => next,
                     };
@@ -239,11 +239,6 @@ impl Work {
         }
     }
 
-    /// Returns whether whole pictures are refined pass by pass.
-    fn has_passes(&self, wanted: &Wanted) -> bool {
-        wanted.options.lighting != Lighting::Direct && wanted.options.adaptive.is_none()
-    }
-
     /// Returns whether a draft would equal the whole picture.
     fn is_quick(&self, wanted: &Wanted) -> bool {
         self.divisor(wanted) == 1 && wanted.options == draft_options(&wanted.options, self.soft)
@@ -293,7 +288,7 @@ impl Work {
         };
         let begin = Instant::now();
         let mut options = options.g_buffer(GBuffer::Depth);
-        let in_passes = stage == Stage::Whole && self.has_passes(wanted);
+        let in_passes = stage == Stage::Whole && has_passes(&wanted.options);
         if let (true, Lighting::Paths { samples, .. }) = (in_passes, &mut options.lighting) {
             // Later passes are longer, so that denoising takes a small share of the time.
             *samples = (*samples).max(self.passes.paths() / 4);
@@ -307,6 +302,11 @@ impl Work {
         }
         Ok(Frame { version, whole: stage == Stage::Whole, pair, paths, time })
     }
+}
+
+/// Returns whether whole pictures are refined pass by pass.
+fn has_passes(options: &Options) -> bool {
+    options.lighting != Lighting::Direct && options.adaptive.is_none()
 }
 
 /// Returns the options of drafts. `soft` says whether the scene has lights that are not points.

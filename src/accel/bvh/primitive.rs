@@ -163,7 +163,7 @@ fn pack_tangents(corners: [Vec4; 3]) -> [u32; 2] {
 }
 
 /// Packs a unit vector as two 16-bit snorms (octahedral mapping); `shaders/shared/triangle.wgsl` unpacks it.
-pub(super) fn pack_normal(normal: Vec3) -> u32 {
+pub(crate) fn pack_normal(normal: Vec3) -> u32 {
     let [x, y] = octahedral(normal).map(|value| (value * 32767.0).round() as i16 as u16);
     u32::from(x) | u32::from(y) << 16
 }

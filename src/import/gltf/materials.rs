@@ -264,23 +264,21 @@ impl<'a> Surfaces<'a> {
         (uv, name): (UvRule, &str),
         warnings: &mut Warnings,
     ) -> Result<(), Error> {
-        if let Some(info) = &coat.clearcoat_texture
-            && let Some(picture) = self.textures.picture(info.index, &format!("{name}, clearcoatTexture"), warnings)?
-        {
-            match UvRule::of(info) == uv {
-                true => surface.clearcoat_texture = Some(self.textures.data_id(&picture)),
-                false => surface.clearcoat *= self.textures.means_of(&picture).values.x,
+        let mut read = |info: &Option<Info>, field: &str, factor: &mut f32, mean_of: fn(Vec3) -> f32| {
+            let Some(info) = info else { return Ok(None) };
+            let picture = self.textures.picture(info.index, &format!("{name}, {field}"), warnings)?;
+            let Some(picture) = picture else { return Ok(None) };
+            if UvRule::of(info) == uv {
+                return Ok(Some(self.textures.data_id(&picture)));
             }
-        }
-        if let Some(info) = &coat.clearcoat_roughness_texture
-            && let Some(picture) =
-                self.textures.picture(info.index, &format!("{name}, clearcoatRoughnessTexture"), warnings)?
-        {
-            match UvRule::of(info) == uv {
-                true => surface.clearcoat_roughness_texture = Some(self.textures.data_id(&picture)),
-                false => surface.clearcoat_roughness *= self.textures.means_of(&picture).values.y,
-            }
-        }
+            *factor *= mean_of(self.textures.means_of(&picture).values);
+            Ok::<_, Error>(None)
+        };
+        let Principled { clearcoat, clearcoat_roughness, .. } = surface;
+        let texture = read(&coat.clearcoat_texture, "clearcoatTexture", clearcoat, |mean| mean.x)?;
+        let rough = &coat.clearcoat_roughness_texture;
+        let rough = read(rough, "clearcoatRoughnessTexture", clearcoat_roughness, |mean| mean.y)?;
+        (surface.clearcoat_texture, surface.clearcoat_roughness_texture) = (texture, rough);
         Ok(())
     }
 
