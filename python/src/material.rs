@@ -10,12 +10,13 @@ use crate::{
 };
 
 /// Fields that the constructor and `replace` take.
-const FIELDS: [&str; 11] = [
+const FIELDS: [&str; 12] = [
     "albedo",
     "name",
     "texture",
     "cutout",
     "opacity",
+    "alpha_blend",
     "specular",
     "exponent",
     "normalised",
@@ -24,7 +25,7 @@ const FIELDS: [&str; 11] = [
     "index",
 ];
 /// Fields that leave a physically based surface as it is.
-const COMMON_FIELDS: [&str; 4] = ["name", "texture", "cutout", "opacity"];
+const COMMON_FIELDS: [&str; 5] = ["name", "texture", "cutout", "opacity", "alpha_blend"];
 /// Fields of mirrors and glass only.
 const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 
@@ -35,10 +36,11 @@ const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 ///
 /// - ``albedo``: diffuse (Lambertian) reflectance. Default 0.7, or black for mirrors and glass.
 /// - ``name``: name in messages. Default empty.
-/// - ``texture``: id of a texture that multiplies the albedo; its alpha is ignored. Default ``None``.
+/// - ``texture``: id of a texture that multiplies the albedo. Default ``None``.
 /// - ``cutout``: id of a texture that cuts the surface out where its alpha is below a half; triangles only. Default
 ///   ``None``.
 /// - ``opacity``: share of the background that the surface hides, 0 to 1. Default 1.
+/// - ``alpha_blend``: whether the alpha of ``texture`` multiplies the opacity. Default ``False``.
 /// - ``specular``: colour of highlights, or reflectance of mirrors and glass. Default 0.95 for mirrors; for glass with
 ///   ``fresnel`` its reflectance at normal incidence by ``index`` (0.04 for 1.5); else black.
 /// - ``exponent``: Phong's exponent, 0 to 10000; larger values make smaller highlights. Default 30.
@@ -103,10 +105,11 @@ impl Material {
     ///   Default 0.
     /// - ``emission``: emitted radiance, linear RGB. Default 0.
     /// - ``texture``, ``roughness_texture`` (green), ``metallic_texture`` (blue), ``normal_texture``,
-    ///   ``emission_texture``, ``clearcoat_texture`` (red) and ``clearcoat_roughness_texture`` (green): ids of
-    ///   textures. They multiply the values of these names; ``texture`` multiplies ``base``. Default ``None``.
+    ///   ``emission_texture``, ``transmission_texture`` (red), ``clearcoat_texture`` (red) and
+    ///   ``clearcoat_roughness_texture`` (green): ids of textures. They multiply the values of these names; ``texture``
+    ///   multiplies ``base``. Default ``None``.
     /// - ``normal_scale``: factor of the normals' x and y. Default 1.
-    /// - ``name``, ``cutout``, ``opacity``: as in ``Material``.
+    /// - ``name``, ``cutout``, ``opacity``, ``alpha_blend``: as in ``Material``.
     ///
     /// Raises ``ValueError`` as ``Material`` does.
     #[staticmethod]
@@ -165,6 +168,12 @@ impl Material {
     #[getter]
     fn opacity(&self) -> f32 {
         self.0.opacity
+    }
+
+    /// Whether the alpha of ``texture`` multiplies the opacity.
+    #[getter]
+    fn alpha_blend(&self) -> bool {
+        self.0.alpha_blend
     }
 
     /// Colour of highlights, or reflectance of mirrors and glass, linear RGB: a tuple of three.
@@ -256,6 +265,7 @@ fn set(surface: &mut Principled, name: &str, value: &Bound<'_, PyAny>) -> PyResu
         "metallic_texture" => surface.metallic_texture = texture()?,
         "normal_texture" => surface.normal_texture = texture()?,
         "emission_texture" => surface.emission_texture = texture()?,
+        "transmission_texture" => surface.transmission_texture = texture()?,
         "clearcoat_texture" => surface.clearcoat_texture = texture()?,
         "clearcoat_roughness_texture" => surface.clearcoat_roughness_texture = texture()?,
         _ => return Ok(false),
@@ -282,6 +292,7 @@ fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>)
             "texture" => material.texture = texture().map_err(of)?,
             "cutout" => material.cutout = texture().map_err(of)?,
             "opacity" => material.opacity = number().map_err(of)?,
+            "alpha_blend" => material.alpha_blend = value.extract().map_err(of)?,
             "specular" => material.specular = color().map_err(of)?,
             "exponent" => material.exponent = number().map_err(of)?,
             "normalised" => material.normalised = value.extract().map_err(of)?,

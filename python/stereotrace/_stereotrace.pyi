@@ -180,6 +180,8 @@ class MaterialFields(TypedDict, total=False):
     cutout: int | None
     # Share of the background that the surface hides, 0 to 1. Default 1.
     opacity: float
+    # Whether the alpha of ``texture`` multiplies the opacity. Default False.
+    alpha_blend: bool
     # Colour of highlights, or reflectance of mirrors and glass, linear RGB, 0 to 1. Default black for matte surfaces;
     # see ``Material`` for others.
     specular: Color
@@ -232,12 +234,14 @@ class PrincipledFields(TypedDict, total=False):
     metallic_texture: int | None
     normal_texture: int | None
     emission_texture: int | None
+    transmission_texture: int | None
     clearcoat_texture: int | None
     clearcoat_roughness_texture: int | None
     # As in ``Material``.
     name: str
     cutout: int | None
     opacity: float
+    alpha_blend: bool
 
 @type_check_only
 class MaterialReplaceFields(MaterialFields, total=False):
@@ -492,6 +496,8 @@ class Material:
     def cutout(self) -> int | None: ...
     @property
     def opacity(self) -> float: ...
+    @property
+    def alpha_blend(self) -> bool: ...
     @property
     def specular(self) -> _Vector: ...
     @property

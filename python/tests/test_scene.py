@@ -424,6 +424,8 @@ def test_physically_based_materials_are_shown_by_paths(renderer):
     tilted = np.array([[[128 + 76, 128, 128 + 102]]], np.uint8)
     matte = {"base": 1.0, "roughness": 1.0, "specular": 0.0, "metallic": 0.0}
     assert abs(middle(matte, tilted, light=True) / middle(matte, light=True) - 0.8) < 0.01
+    clear = Material.principled(0.5, texture=0, alpha_blend=True, transmission_texture=0)
+    assert clear.alpha_blend and clear != Material.principled(0.5, texture=0, alpha_blend=True)
     with pytest.raises(ValueError, match="roughnes"):
         Material.principled(roughnes=1)
     with pytest.raises(ValueError, match="thin"):

@@ -41,12 +41,12 @@ fn send(origin: vec3f, direction: vec3f, weight: vec3f, travelled: f32, depth: u
 }
 
 // Sends on the rays that a surface reflects and transmits.
-fn send_on(ray: Pending, t: f32, material: Material, surface: Surface, surfaces: Surfaces) {
+fn send_on(ray: Pending, t: f32, material: Material, opacity: f32, surface: Surface, surfaces: Surfaces) {
     let direction = normalize(ray.direction);
     let behind = offset_from(surfaces, ray.origin, -1.0);
     let travelled = ray.travelled + t;
-    send(behind, direction, ray.weight * (1.0 - material.opacity), travelled, ray.depth + 1u);
-    let sent = sent_on(material, surface, direction, ray.weight * material.opacity);
+    send(behind, direction, ray.weight * (1.0 - opacity), travelled, ray.depth + 1u);
+    let sent = sent_on(material, surface, direction, ray.weight * opacity);
     send(behind, sent.refracted, sent.refracted_weight, travelled, ray.depth + 1u);
     send_mirrored(ray, surfaces, sent.reflected, sent.reflected_weight, travelled);
 }
@@ -91,8 +91,12 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
         } else {
             let surface = surface_at(rays, hits, 0u);
             let material = material_at(surface.material);
-            color += seen * material.opacity;
-            send_on(ray, of_ray(hits.t, 0u), material, surface, surfaces);
+            var opacity = material.opacity;
+            if material.blends {
+                opacity = opacity_of(material, texture_factor(rays, hits, surface, material.texture, 0u).w);
+            }
+            color += seen * opacity;
+            send_on(ray, of_ray(hits.t, 0u), material, opacity, surface, surfaces);
         }
         if waiting == 0u { break; }
         waiting -= 1u;

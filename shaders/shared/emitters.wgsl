@@ -96,7 +96,7 @@ fn passing(start: vec3f, to_light: vec3f, far: f32, is_first: bool) -> vec3f {
         let pane = vertex_at(rays, hits);
         let lobes = pane.lobes;
         var clear = vec3f(1.0 - lobes.opacity);
-        if lobes.is_glass { clear = split_by_glass(pane, pane.normal).passed; }
+        if lobes.is_glass { clear = split_by_glass(pane, pane.normal, pane.to_viewer, pane.from_outside).passed; }
         clear *= pow(pane.left, vec3f(hits.t));
         share *= clear;
         panes += 1u;

@@ -11,24 +11,25 @@ struct Look {
 }
 
 //! if light is paths and principled is none
-// `factor` is the colour of the material's texture and of the corners.
-fn look_at(rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec3f, ray: u32) -> Look {
+// `factor` is the colour of the material's texture and of the corners, and the texture's alpha.
+fn look_at(rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec4f, ray: u32) -> Look {
     return plain_look(rays, surface, material, factor, ray);
 }
 
 //! if light is paths
-fn plain_look(rays: Rays, surface: Surface, material: Material, factor: vec3f, ray: u32) -> Look {
+fn plain_look(rays: Rays, surface: Surface, material: Material, factor: vec4f, ray: u32) -> Look {
     let facing = -dot(surface.shading_normal, normalize(of_ray3(rays.direction, ray)));
-    let lobes = lobes_of(material, material.albedo * factor, facing);
+    var lobes = lobes_of(material, material.albedo * factor.xyz, facing);
+    if material.blends { lobes.opacity = opacity_of(material, factor.w); }
     return Look(surface.shading_normal, material.emission, vec3f(1.0), lobes);
 }
 
 //! if light is paths and principled is some
-fn look_at(rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec3f, ray: u32) -> Look {
+fn look_at(rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec4f, ray: u32) -> Look {
     let principled = principled_at(surface.material);
     if !principled.is_there { return plain_look(rays, surface, material, factor, ray); }
     let to_viewer = -normalize(of_ray3(rays.direction, ray));
-    let base = principled.base * factor;
+    let base = principled.base * factor.xyz;
     var shape = map_color(rays, hits, surface, principled.roughness_texture, ray);
     let roughness = principled.roughness * shape.y;
     if principled.metallic_texture != principled.roughness_texture {
@@ -40,9 +41,10 @@ fn look_at(rays: Rays, hits: Hits, surface: Surface, material: Material, factor:
         look.normal = mapped_normal(rays, hits, surface, principled, to_viewer, ray);
     }
     look.emission *= map_color(rays, hits, surface, principled.emission_texture, ray);
-    let clear = principled.transmission * (1.0 - metallic);
-    look.lobes.opacity = material.opacity;
-    look.lobes.diffuse = base * ((1.0 - metallic) * (1.0 - principled.transmission));
+    let transmission = principled.transmission * map_color(rays, hits, surface, principled.transmission_texture, ray).x;
+    let clear = transmission * (1.0 - metallic);
+    look.lobes.opacity = opacity_of(material, factor.w);
+    look.lobes.diffuse = base * ((1.0 - metallic) * (1.0 - transmission));
     let facing = clamp(dot(look.normal, to_viewer), 0.0, 1.0);
     let alpha = roughness * roughness;
     if clear > 0.0 {
@@ -90,15 +92,15 @@ fn map_color(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -
 // Returns a texture's colour, or 1 without one.
 fn map_color(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f {
     if texture == 0u { return vec3f(1.0); }
-    return texture_color(table_texel(TEXTURES).w + texture - 1u, lookup_at(rays, hits, surface, ray));
+    return texture_color(table_texel(TEXTURES).w + texture - 1u, lookup_at(rays, hits, surface, ray)).xyz;
 }
 
 //! if light is paths and principled is some and textures is some and planes is some
 fn map_color(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f {
     if texture == 0u { return vec3f(1.0); }
     let head_at = table_texel(TEXTURES).w + texture - 1u;
-    if of_ray_u(hits.slot, ray) < PLANES { return plane_color(rays, hits, ray, head_at); }
-    return texture_color(head_at, lookup_at(rays, hits, surface, ray));
+    if of_ray_u(hits.slot, ray) < PLANES { return plane_color(rays, hits, ray, head_at).xyz; }
+    return texture_color(head_at, lookup_at(rays, hits, surface, ray)).xyz;
 }
 
 //! if light is paths and principled is some and textures is none

@@ -9,6 +9,7 @@ struct Material {
     kind: u32,              // MIRROR, GLASS, or 0 if only the opacity matters; above the texture
     fresnel: bool,
     is_chosen: bool,        // whether emitting primitives of this material are chosen as light sources
+    blends: bool,           // whether the texture's alpha multiplies the opacity
     specular: vec3f,        // second texel: colour of highlights, or of reflections
     exponent: f32,          // Phong's exponent n, or -1 - n for normalised highlights
     emission: vec3f,        // third texel
@@ -39,6 +40,7 @@ fn material_at(material: u32) -> Material {
         found.kind = (albedo.w >> 24u) & 3u;
         found.fresnel = (albedo.w & 0x04000000u) != 0u;
         found.is_chosen = (albedo.w & 0x10000000u) != 0u;
+        found.blends = (albedo.w & 0x20000000u) != 0u;
         found.specular = bitcast<vec3f>(specular.xyz);
         found.exponent = bitcast<f32>(specular.w);
         found.emission = bitcast<vec3f>(emission.xyz);
@@ -47,6 +49,11 @@ fn material_at(material: u32) -> Material {
         found.index = bitcast<f32>(transmission.w);
     }
     return found;
+}
+
+// Returns the share of the background that a surface hides. `alpha` is its texture's.
+fn opacity_of(material: Material, alpha: f32) -> f32 {
+    return material.opacity * select(1.0, alpha, material.blends);
 }
 
 // Returns the exponent of a highlight, normalised or not.
@@ -74,6 +81,7 @@ struct Principled {
     metallic_texture: u32,        // its blue; above the flags of the fifth texel
     grazing: f32,                 // eighth texel: reflectance of a dielectric at grazing angles
     normal_texture: u32,
+    transmission_texture: u32,    // its red
     absorption: vec3f,            // ninth texel
     normal_scale: f32,
     transmission: f32,            // tenth texel
@@ -100,6 +108,7 @@ fn principled_at(material: u32) -> Principled {
     found.roughness_texture = shape.w;
     found.metallic_texture = base.w >> 8u;
     found.grazing = bitcast<f32>(edge.x);
+    found.transmission_texture = edge.y;
     found.normal_texture = edge.w;
     found.absorption = bitcast<vec3f>(absorption.xyz);
     found.normal_scale = bitcast<f32>(absorption.w);

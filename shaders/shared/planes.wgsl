@@ -80,11 +80,12 @@ fn plane_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return Surface(normal, normal, material, second.w, 0.0, vec3f(0.0), 0.0, dot(outward, direction) < 0.0);
 }
 
-// Returns a texture's colour on a plane. For a picture the footprint is computed as in lookup_at, but without a limit
-// on the angle. A checkerboard is integrated over a box that encloses the pixel's footprint, along the texture's axes.
+// Returns a texture's colour and alpha on a plane. For a picture the footprint is computed as in lookup_at, but without
+// a limit on the angle. A checkerboard is integrated over a box that encloses the pixel's footprint, along the
+// texture's axes.
 // Near the horizon the footprint is far longer than wide. Along a unit vector e in the plane, the footprint of a disc
 // extends to sqrt(1 + (e.d / n.d)^2) of its radius. Here d is the ray's direction.
-fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
+fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec4f {
     let slot = of_ray_u(hits.slot, ray);
     let point = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);
     let normal = bitcast<vec3f>(primitive_texel(slot, 1u).xyz);
@@ -105,8 +106,8 @@ fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
     let place = vec2f(near_unit(uv.x, wrap), near_unit(uv.y, wrap)) * f32(head.z);
     let waves = wave_mean(place.x, widths.x, i32(head.z), wrap) * wave_mean(place.y, widths.y, i32(head.z), wrap);
     return mix(
-        bitcast<vec3f>(table_texel(head.y).xyz),
-        bitcast<vec3f>(table_texel(head.y + 1u).xyz),
+        bitcast<vec4f>(table_texel(head.y)),
+        bitcast<vec4f>(table_texel(head.y + 1u)),
         0.5 - 0.5 * waves,
     );
 }

@@ -4,7 +4,7 @@
 //! use aims, facets, lane, light, looks, materials, rays
 
 //! if shine is none
-fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec3f, ray: u32)
+fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec4f, ray: u32)
     -> Surfaces {
     return surfaces;
 }
@@ -49,7 +49,7 @@ fn lobe_of_four(exponent: f32, cosine: vec4f, facing: vec4f) -> vec4f {
 
 //! if shine is some or normalised
 // Adds the highlights' colour and exponent, and the emission, to a surface.
-fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec3f, ray: u32)
+fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec4f, ray: u32)
     -> Surfaces {
     var shining = surfaces;
     shining.specular = with_ray3(surfaces.specular, ray, material.specular * lobe_scale(material.exponent));
@@ -82,7 +82,7 @@ fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u3
 
 //! if shine is facets
 // Highlights by facets, for light that paths complete. They leave less light for diffuse reflection.
-fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec3f, ray: u32)
+fn with_look(surfaces: Surfaces, rays: Rays, hits: Hits, surface: Surface, material: Material, factor: vec4f, ray: u32)
     -> Surfaces {
     let look = look_at(rays, hits, surface, material, factor, ray);
     let lobes = look.lobes;

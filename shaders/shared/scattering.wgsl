@@ -1,7 +1,7 @@
 // Scattering of light at the vertices of paths: diffuse reflection, highlights, mirrors, glass and veils. DESIGN
 // (section 3) has the formulas.
 
-//! use aims, display, facets, lane, light, looks, materials, planes, primitive, primitives, rays, reflectance
+//! use aims, dice, display, facets, lane, light, looks, materials, planes, primitive, primitives, rays, reflectance
 //! use surfaces
 
 //! if light is paths
@@ -185,18 +185,18 @@ struct Split {
     ahead: vec3f,    // direction of the transmitted ray, unit
 }
 
-// Splits light at glass or at a facet of it with this normal.
-fn split_by_glass(vertex: Vertex, normal: vec3f) -> Split {
+// Splits light at glass or at a facet of it with this normal. `from_outside` says on which side the viewer is.
+fn split_by_glass(vertex: Vertex, normal: vec3f, to_viewer: vec3f, from_outside: bool) -> Split {
     let lobes = vertex.lobes;
-    let cosine = clamp(dot(normal, vertex.to_viewer), 0.0, 1.0);
+    let cosine = clamp(dot(normal, to_viewer), 0.0, 1.0);
     // Snell's law: eta is the index on the ray's side over the index on the other side.
-    let eta = select(lobes.index, 1.0 / lobes.index, vertex.from_outside || lobes.is_thin);
+    let eta = select(lobes.index, 1.0 / lobes.index, from_outside || lobes.is_thin);
     let squared = 1.0 - eta * eta * (1.0 - cosine * cosine);
-    if squared <= 0.0 { return Split(vec3f(1.0), vec3f(0.0), vertex.to_viewer); }
+    if squared <= 0.0 { return Split(vec3f(1.0), vec3f(0.0), to_viewer); }
     let inner = sqrt(squared);
-    var ahead = normalize(normal * (eta * cosine - inner) - vertex.to_viewer * eta);
+    var ahead = normalize(normal * (eta * cosine - inner) - to_viewer * eta);
     if lobes.is_thin {
-        let mirrored = normal * (2.0 * cosine) - vertex.to_viewer;
+        let mirrored = normal * (2.0 * cosine) - to_viewer;
         ahead = mirrored - vertex.normal * (2.0 * dot(mirrored, vertex.normal));
     }
     if !lobes.is_fresnel {
@@ -206,19 +206,13 @@ fn split_by_glass(vertex: Vertex, normal: vec3f) -> Split {
     return Split(lobes.reflectance * share, lobes.transmission * (1.0 - share), ahead);
 }
 
-// Chooses between reflection and refraction, and a facet of rough glass. Light that rough glass sends on is found by
-// chance alone.
-fn through_glass(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
-    let alpha = vertex.lobes.alpha;
-    let is_rough = alpha > LEAST_ALPHA;
-    var normal = vertex.normal;
-    if is_rough { normal = facet_towards(normal, vertex.to_viewer, alpha, 1.0, at); }
-    let split = split_by_glass(vertex, normal);
+// Chooses between reflection and refraction at glass or at a facet of it.
+fn past_glass(vertex: Vertex, normal: vec3f, to_viewer: vec3f, from_outside: bool, choice: f32) -> Scattered {
+    let split = split_by_glass(vertex, normal, to_viewer, from_outside);
     let chance = luminance(split.back) / max(luminance(split.back) + luminance(split.passed), 1e-30);
     var result: Scattered;
     if choice < chance {
-        let mirrored = normal * (2.0 * dot(normal, vertex.to_viewer)) - vertex.to_viewer;
-        result.direction = normalize(select(kept_above(mirrored, vertex.geometric_normal), mirrored, is_rough));
+        result.direction = normal * (2.0 * dot(normal, to_viewer)) - to_viewer;
         result.side = 1.0;
         result.weight = split.back / chance;
     } else {
@@ -226,10 +220,53 @@ fn through_glass(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
         result.side = -1.0;
         result.weight = split.passed / max(1.0 - chance, 1e-30);
     }
-    if is_rough {
-        let cosine = dot(vertex.normal, result.direction) * result.side;
-        result.weight *= facets_seen(alpha, cosine);
-        if cosine <= 0.0 || dot(vertex.geometric_normal, result.direction) * result.side <= 0.0 { result.side = 0.0; }
+    return result;
+}
+
+// Chooses the way of light at glass. Light that rough glass sends on is found by chance alone.
+fn through_glass(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
+    if vertex.lobes.alpha > LEAST_ALPHA { return through_facets(vertex, choice, at); }
+    var result = past_glass(vertex, vertex.normal, vertex.to_viewer, vertex.from_outside, choice);
+    if result.side > 0.0 { result.direction = normalize(kept_above(result.direction, vertex.geometric_normal)); }
+    return result;
+}
+
+// Maximum number of facets of rough glass that light meets before it leaves.
+const MOST_FACETS: u32 = 16u;
+
+// Follows light from facet to facet of rough glass, until it leaves (after Heitz et al. 2016, "Multiple-Scattering
+// Microfacet BSDFs with the Smith Model", but without heights). So no light is lost between facets.
+fn through_facets(vertex: Vertex, first_choice: f32, first_at: vec2f) -> Scattered {
+    let alpha = vertex.lobes.alpha;
+    var words = bitcast<vec3u>(vec3f(first_at, first_choice));
+    var choice = first_choice;
+    var at = first_at;
+    var side = 1.0;
+    var to_viewer = vertex.to_viewer;
+    var weight = vec3f(1.0);
+    var result: Scattered;
+    var facets = 0u;
+    loop {
+        let facet = facet_towards(vertex.normal * side, to_viewer, alpha, 1.0, at);
+        let way = past_glass(vertex, facet, to_viewer, vertex.from_outside == (side > 0.0), choice);
+        weight *= way.weight;
+        side *= way.side;
+        words = scrambled(words);
+        let chances = vec3f(words >> vec3u(8u)) / 16777216.0;
+        let is_outside = dot(vertex.geometric_normal, way.direction) * side > 0.0;
+        let upright = dot(vertex.normal, way.direction) * side;
+        if is_outside && upright > 0.0 && chances.x < facets_seen(alpha, upright) {
+            result.direction = normalize(way.direction);
+            result.side = side;
+            result.weight = weight;
+            break;
+        }
+        facets += 1u;
+        if facets >= MOST_FACETS { break; }
+        to_viewer = -way.direction;
+        at = chances.yz;
+        words = scrambled(words);
+        choice = f32(words.x >> 8u) / 16777216.0;
     }
     return result;
 }

@@ -17,7 +17,7 @@ fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
             found.reach = with_ray(found.reach, ray, surface.reach);
             let material = material_at(surface.material);
             let factor = texture_factor(rays, hits, surface, material.texture, ray);
-            found.albedo = with_ray3(found.albedo, ray, material.albedo * factor);
+            found.albedo = with_ray3(found.albedo, ray, material.albedo * factor.xyz);
             found = with_look(found, rays, hits, surface, material, factor, ray);
             found = with_sends(found, ray, surface.material);
         }
@@ -29,21 +29,21 @@ fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
 }
 
 //! if textures is none
-fn texture_factor(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f {
-    return vec3f(1.0);
+fn texture_factor(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec4f {
+    return vec4f(1.0);
 }
 
 //! if textures is some and planes is none
-// Returns the factor of the albedo at a hit: texture times vertex colour.
-fn texture_factor(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f {
-    let painted = vertex_color(rays, hits, surface, ray);
+// Returns the factor of the albedo at a hit, texture times vertex colour, and the texture's alpha.
+fn texture_factor(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec4f {
+    let painted = vec4f(vertex_color(rays, hits, surface, ray), 1.0);
     if texture == 0u { return painted; }
     return painted * texture_color(table_texel(TEXTURES).w + texture - 1u, lookup_at(rays, hits, surface, ray));
 }
 
 //! if textures is some and planes is some
-fn texture_factor(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec3f {
-    let painted = vertex_color(rays, hits, surface, ray);
+fn texture_factor(rays: Rays, hits: Hits, surface: Surface, texture: u32, ray: u32) -> vec4f {
+    let painted = vec4f(vertex_color(rays, hits, surface, ray), 1.0);
     if texture == 0u { return painted; }
     let head_at = table_texel(TEXTURES).w + texture - 1u;
     if of_ray_u(hits.slot, ray) < PLANES { return plane_color(rays, hits, ray, head_at); }

@@ -20,12 +20,13 @@ struct Lookup {
     round: bool,   // on a sphere: u repeats and v ends at the poles, for any wrap mode
 }
 
-fn texture_color(head_at: u32, at: Lookup) -> vec3f {
+// Returns a texture's colour and alpha.
+fn texture_color(head_at: u32, at: Lookup) -> vec4f {
     let head = table_texel(head_at);
     let wrap = select(vec2u(head.x >> 4u), vec2u(WRAP_REPEAT, WRAP_CLAMP), at.round);
     if (head.x & 15u) == CHECKERBOARD {
-        let first = bitcast<vec3f>(table_texel(head.y).xyz);
-        let other = bitcast<vec3f>(table_texel(head.y + 1u).xyz);
+        let first = bitcast<vec4f>(table_texel(head.y));
+        let other = bitcast<vec4f>(table_texel(head.y + 1u));
         return mix(first, other, checkered(at, i32(head.z), wrap));
     }
     let largest = vec2f(table_texel(head.y).yz);
@@ -92,8 +93,8 @@ fn zigzag(x: f32) -> f32 {
     return 1.0 - abs(fract(0.5 * x) * 2.0 - 1.0);
 }
 
-// Returns a level's colour, filtered bilinearly between the centres of pixels.
-fn level_color(level: u32, uv: vec2f, wrap: vec2u) -> vec3f {
+// Returns a level's colour and alpha, filtered bilinearly between the centres of pixels.
+fn level_color(level: u32, uv: vec2f, wrap: vec2u) -> vec4f {
     let texel = table_texel(level);
     let size = vec2i(texel.yz);
     // The first row is at the top.
@@ -115,11 +116,11 @@ fn level_color(level: u32, uv: vec2f, wrap: vec2u) -> vec3f {
 }
 
 // Reads a pixel of a level. A texel holds two pixels of four 16-bit floats each: linear red, green and blue, and alpha.
-fn level_pixel(first: u32, at: vec2i, size: vec2i, wrap: vec2u) -> vec3f {
+fn level_pixel(first: u32, at: vec2i, size: vec2i, wrap: vec2u) -> vec4f {
     let index = u32(wrapped(at.y, size.y, wrap.y) * size.x + wrapped(at.x, size.x, wrap.x));
     let two = table_texel(first + index / 2u);
     let words = select(two.xy, two.zw, (index & 1u) == 1u);
-    return vec3f(unpack2x16float(words.x), unpack2x16float(words.y).x);
+    return vec4f(unpack2x16float(words.x), unpack2x16float(words.y));
 }
 
 fn wrapped(at: i32, size: i32, wrap: u32) -> i32 {

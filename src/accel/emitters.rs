@@ -13,9 +13,9 @@ const SPHERE: u32 = 1;
 
 impl Material {
     /// Returns whether paths choose primitives of this material as light sources. They find others by chance: places on
-    /// cut-out primitives may be holes, and emission may be a texture's.
+    /// cut-out primitives may be holes, and emission and opacity may be a texture's.
     pub(crate) fn is_chosen(&self) -> bool {
-        let is_textured = self.principled.is_some_and(|surface| surface.emission_texture.is_some());
+        let is_textured = self.blends() || self.principled.is_some_and(|surface| surface.emission_texture.is_some());
         self.emission_to_paths() != Vec3::ZERO && self.opacity > 0.0 && self.cutout.is_none() && !is_textured
     }
 

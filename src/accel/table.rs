@@ -258,7 +258,10 @@ fn material_of(material: &Material) -> Vec<Texel> {
     };
     // The transmission of glass takes the place of opacity.
     let opacity = if kind == 2 { 1.0 } else { material.opacity };
-    let finish = kind | u32::from(fresnel) << 2 | u32::from(opacity < 1.0) << 3 | u32::from(material.is_chosen()) << 4;
+    let (blends, chosen) = (material.blends(), material.is_chosen());
+    let is_veil = opacity < 1.0 || blends;
+    let flags = [fresnel, is_veil, chosen, blends].into_iter().zip(2..).map(|(is_set, bit)| u32::from(is_set) << bit);
+    let finish = kind | flags.sum::<u32>();
     [
         texel(material.albedo, texture | finish << 24),
         texel(
@@ -282,7 +285,7 @@ fn principled_of(surface: Option<&Principled>) -> [Texel; 7] {
         texel(surface.base, 1 | u32::from(surface.thin) << 1 | number(surface.metallic_texture) << 8),
         texel(surface.emission, number(surface.emission_texture)),
         texel(shape, number(surface.roughness_texture)),
-        [surface.grazing.to_bits(), 0, 0, number(surface.normal_texture)],
+        [surface.grazing.to_bits(), number(surface.transmission_texture), 0, number(surface.normal_texture)],
         texel(surface.absorption, surface.normal_scale.to_bits()),
         texel(surface.specular, surface.transmission.to_bits()),
         [
@@ -320,11 +323,14 @@ fn body_texels(texture: &Texture) -> usize {
 }
 
 /// Returns the texels of a texture after its header. An image has a header for each mip level, then the pixels of all
-/// levels. A checkerboard has two colours.
+/// levels. A checkerboard has two colours, whose alpha is their brightness.
 fn body_of(texture: &Texture, at: u32) -> Vec<Texel> {
     let (size, pixels) = match texture.kind() {
         TextureKind::Image { size, pixels } => (*size, pixels),
-        TextureKind::Checkerboard { colors, .. } => return colors.map(|color| texel(color, 0)).to_vec(),
+        TextureKind::Checkerboard { colors, .. } => {
+            let alpha = |color: Vec3| color.dot(BRIGHTNESS.as_vec3());
+            return colors.map(|color| texel(color, alpha(color).to_bits())).to_vec();
+        }
     };
     let mut next = at + level_sizes(size).count() as u32;
     let mut texels: Vec<Texel> = level_sizes(size)
@@ -428,7 +434,7 @@ mod tests {
         assert_eq!([texels[3][3], texels[7][3], texels[11][3]], [0, 2, 1]);
         let heads = texels[1][3] as usize;
         assert_eq!(texels[heads + 1][0], CHECKERBOARD | 1 << 4);
-        assert_eq!(texels[texels[heads + 1][1] as usize], texel(Vec3::X, 0));
+        assert_eq!(texels[texels[heads + 1][1] as usize], texel(Vec3::X, 0.2126f32.to_bits()));
         let levels = texels[heads][1] as usize;
         assert_eq!(texels[heads][2], 3);
         assert_eq!(texels[levels + 1][1..3], [2, 1]);

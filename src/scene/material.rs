@@ -54,7 +54,7 @@ pub struct Material {
     pub name: String,
     /// Diffuse (Lambertian) reflectance, linear RGB, 0 to 1. MTL's `Kd`.
     pub albedo: Vec3,
-    /// Texture whose colour multiplies the albedo; its alpha is ignored. MTL's `map_Kd`.
+    /// Texture whose colour multiplies the albedo. MTL's `map_Kd`.
     pub texture: Option<TextureId>,
     /// Texture whose alpha cuts holes: where it is below a half, rays pass through. The nearest pixel counts, without a
     /// filter. A checkerboard's alpha is its colours' brightness. Only triangles can be cut out; those without texture
@@ -62,6 +62,10 @@ pub struct Material {
     pub cutout: Option<TextureId>,
     /// Share of the background that the surface hides, 0 to 1. MTL's `d`, or 1 - `Tr`.
     pub opacity: f32,
+    /// Whether the alpha of `texture` multiplies the opacity; glass ignores it. A checkerboard's alpha is its colours'
+    /// brightness.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub alpha_blend: bool,
     /// Colour of highlights, or the share that a mirror or glass reflects; linear RGB, 0 to 1. MTL's `Ks`.
     pub specular: Vec3,
     /// Phong exponent, 0 to 10000; larger exponents give smaller highlights. MTL's `Ns`.
@@ -90,6 +94,7 @@ impl Material {
             texture: None,
             cutout: None,
             opacity: 1.0,
+            alpha_blend: false,
             specular: Vec3::ZERO,
             exponent: Self::DEFAULT_EXPONENT,
             normalised: false,
@@ -120,6 +125,12 @@ impl Material {
     /// Sets the share of the background that the surface hides, 0 to 1. The default is 1.
     pub fn opacity(mut self, opacity: f32) -> Self {
         self.opacity = opacity;
+        self
+    }
+
+    /// Sets whether the alpha of the texture multiplies the opacity. The default is false.
+    pub fn alpha_blend(mut self, blend: bool) -> Self {
+        self.alpha_blend = blend;
         self
     }
 
@@ -177,7 +188,12 @@ impl Material {
 
     /// Returns whether hits on the material send further rays: a mirror, glass, or a surface with an opacity below 1.
     pub(crate) fn sends_rays(&self) -> bool {
-        self.finish != Finish::Matte || self.opacity < 1.0
+        self.finish != Finish::Matte || self.opacity < 1.0 || self.blends()
+    }
+
+    /// Returns whether its texture's alpha multiplies the opacity.
+    pub(crate) fn blends(&self) -> bool {
+        self.alpha_blend && self.texture.is_some() && !matches!(self.finish, Finish::Glass { .. })
     }
 
     /// Returns the largest share of each channel's light that the material can return: diffuse, reflected and

@@ -53,6 +53,8 @@ pub struct Principled {
     pub clearcoat_roughness_texture: Option<TextureId>,
     /// Share of the light that enters a dielectric and is transmitted rather than scattered, 0 to 1.
     pub transmission: f32,
+    /// Texture whose red multiplies `transmission`.
+    pub transmission_texture: Option<TextureId>,
     /// Whether the surface is thin: transmitted light is not refracted.
     pub thin: bool,
     /// Light that is absorbed inside, per world unit and linear RGB: the negative logarithm of the share that is left.
@@ -84,6 +86,7 @@ impl Principled {
             clearcoat_texture: None,
             clearcoat_roughness_texture: None,
             transmission: 0.0,
+            transmission_texture: None,
             thin: false,
             absorption: Vec3::ZERO,
             normal_texture: None,
@@ -130,6 +133,7 @@ impl Principled {
             ("metallic_texture", self.metallic_texture),
             ("normal_texture", self.normal_texture),
             ("emission_texture", self.emission_texture),
+            ("transmission_texture", self.transmission_texture),
             ("clearcoat_texture", self.clearcoat_texture),
             ("clearcoat_roughness_texture", self.clearcoat_roughness_texture),
         ];
@@ -164,8 +168,9 @@ impl Principled {
 impl Material {
     /// Sets a physically based surface, and Phong's approximation of it, for direct light.
     pub fn principled(mut self, surface: Principled) -> Self {
-        let (name, texture, cutout, opacity) = (self.name, self.texture, self.cutout, self.opacity);
-        self = phong(&surface, Vec3::ONE).name(name).emission(surface.emission);
+        let (name, texture, cutout) = (self.name, self.texture, self.cutout);
+        let (opacity, blend) = (self.opacity, self.alpha_blend);
+        self = phong(&surface, Vec3::ONE).name(name).emission(surface.emission).alpha_blend(blend);
         if !matches!(self.finish, Finish::Glass { .. }) {
             self.opacity = opacity;
         }

@@ -5,7 +5,9 @@ use crate::common;
 use common::renderer;
 use stereotrace::{
     Channel, Finish, Light, Lighting, Material, Mesh, Method, Options, Penumbra, Principled, Renderer, Scene, Sky,
-    SkyMap, Sphere, StereoCamera, StereoPair, Update, View, blocking::Wait, glam::Vec3,
+    SkyMap, Sphere, StereoCamera, StereoPair, Texture, Update, View, Wrap,
+    blocking::Wait,
+    glam::{Vec2, Vec3},
 };
 
 const SIDE: u32 = 16;
@@ -115,6 +117,13 @@ fn a_white_sky_comes_back_from_whatever_loses_none() {
     for thin in [false, true] {
         let clear = |share| Principled::new(Vec3::ONE, 0.0, 0.0).transmission(share).thin(thin);
         all.push((format!("clear, thin {thin}"), principled(clear(1.0)), 1.0));
+    }
+    // Light is caught for many bounces in solid balls of little roughness.
+    for roughness in some(&[0.3, 0.6, 0.8, 1.0]) {
+        for thin in [true, false].into_iter().filter(|thin| *thin || roughness > 0.5) {
+            let rough = Principled::new(Vec3::ONE, 0.0, roughness).transmission(1.0).thin(thin);
+            all.push((format!("glass, rough {roughness}, thin {thin}"), principled(rough), 1.0));
+        }
     }
     for (name, material, expected) in all {
         let mut scene = Scene::new();
@@ -310,6 +319,46 @@ fn veils_and_panes_tint_the_light_behind_them() {
             let pair = rendered(&mut renderer, &scene, &camera, &by_paths(1024, 3));
             assert_is(&format!("{what} before a lamp"), &pair, 0.5 * 4.0 * form * expected, 1e-2);
         }
+    }
+}
+
+/// A texture says for each point what a veil or a pane lets pass, in both kinds of light.
+#[test]
+fn textures_say_where_surfaces_are_clear() {
+    let mut renderer = renderer();
+    let shares = [64, 255];
+    let pixels: Vec<[u8; 4]> = shares.map(|share| [share, 255, 255, share]).into();
+    let picture = Texture::image(2, 1, pixels).unwrap().wrap(Wrap::Clamp).data(true);
+    let mut scene = floor(lamp(1.0));
+    let texture = scene.add_texture(picture);
+    let mut pane = Principled::new(Vec3::ONE, 0.0, 0.0).transmission(1.0).thin(true);
+    pane.transmission_texture = Some(texture);
+    let veil = grey(0.0).opacity(0.8).texture(texture);
+    for (place, material) in [veil.clone().alpha_blend(true), veil, grey(0.0).principled(pane)].into_iter().enumerate()
+    {
+        let middle = Vec3::new(3.0 * place as f32, 1.0, 0.0);
+        let corners =
+            [-Vec3::X - Vec3::Z, -Vec3::X + Vec3::Z, Vec3::X + Vec3::Z, Vec3::X - Vec3::Z].map(|at| middle + at);
+        let triangles = vec![[0, 1, 2], [0, 2, 3]];
+        let place = |corner: u32| Vec2::new(0.5 + 0.5 * (corners[corner as usize].x - middle.x), 0.5);
+        let uv = triangles.iter().map(|triangle: &[u32; 3]| triangle.map(place)).collect();
+        let material = scene.add_material(material);
+        scene.add_mesh(&Mesh::new(corners.into(), triangles).uv(uv).materials(vec![material])).unwrap();
+    }
+    let direct = Options::new(Method::Naive).linear(true);
+    for (side, share) in [-0.8, 0.8].into_iter().zip(shares.map(|share| f64::from(share) / 255.0)) {
+        let seen = |place: f32, options: &Options, renderer: &mut Renderer| {
+            let target = Vec3::new(3.0 * place + side, 1.0, 0.0);
+            mean_of(&rendered(renderer, &scene, &close_up(target + 3.0 * Vec3::Y, target), options)).0
+        };
+        for (what, options, most) in [("direct", &direct, 1e-3), ("by paths", &by_paths(1024, 4), 3e-3)] {
+            for (place, expected) in [(0.0, 1.0 - 0.8 * share), (1.0, 0.2)] {
+                let found = seen(place, options, &mut renderer);
+                assert!((found - expected).abs() < most, "{what}, veil {place}, {share}: {found} for {expected}");
+            }
+        }
+        let found = seen(2.0, &by_paths(1024, 4), &mut renderer);
+        assert!((found - 0.96 * share).abs() < 3e-3, "pane, {share}: {found}");
     }
 }
 

@@ -166,6 +166,8 @@ export interface Material {
     emission?: Vector;
     /** Share of the background that the surface hides, 0 to 1. */
     opacity?: number;
+    /** Whether the alpha of `texture` multiplies the opacity. Default false. */
+    alphaBlend?: boolean;
     /** Id of a texture that multiplies the albedo. */
     texture?: number;
     /** Id of a texture that cuts the surface out where its alpha is below a half. */
@@ -213,6 +215,8 @@ export interface Surface {
     /** Normals in tangent space, with green up. */
     normalTexture?: number;
     emissionTexture?: number;
+    /** Its red multiplies `transmission`. */
+    transmissionTexture?: number;
     /** Its red multiplies `clearcoat`. */
     clearcoatTexture?: number;
     /** Its green multiplies `clearcoatRoughness`. */

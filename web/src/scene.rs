@@ -337,6 +337,8 @@ struct GivenMaterial {
     exponent: Option<f32>,
     emission: Option<[f32; 3]>,
     opacity: Option<f32>,
+    #[serde(rename = "alphaBlend")]
+    alpha_blend: Option<bool>,
     texture: Option<u32>,
     cutout: Option<u32>,
     finish: Option<String>,
@@ -364,6 +366,7 @@ struct GivenSurface {
     metallic_texture: Option<u32>,
     normal_texture: Option<u32>,
     emission_texture: Option<u32>,
+    transmission_texture: Option<u32>,
     clearcoat_texture: Option<u32>,
     clearcoat_roughness_texture: Option<u32>,
 }
@@ -384,19 +387,20 @@ fn surface_of(given: &GivenSurface, emission: Vec3) -> Principled {
     surface.metallic_texture = given.metallic_texture.map(TextureId);
     surface.normal_texture = given.normal_texture.map(TextureId);
     surface.emission_texture = given.emission_texture.map(TextureId);
+    surface.transmission_texture = given.transmission_texture.map(TextureId);
     surface.clearcoat_texture = given.clearcoat_texture.map(TextureId);
     surface.clearcoat_roughness_texture = given.clearcoat_roughness_texture.map(TextureId);
     surface
 }
 
 fn material_of(given: GivenMaterial) -> Result<Material, JsValue> {
-    let GivenMaterial { albedo, specular, exponent, emission, opacity, texture, cutout, finish, index, surface } =
-        given;
+    let GivenMaterial { albedo, specular, exponent, emission, texture, cutout, finish, index, surface, .. } = given;
     let mut material = Material::new(albedo.map_or(Vec3::splat(0.7), Vec3::from_array));
     material.specular = specular.map_or(material.specular, Vec3::from_array);
     material.exponent = exponent.unwrap_or(material.exponent);
     material.emission = emission.map_or(material.emission, Vec3::from_array);
-    material.opacity = opacity.unwrap_or(material.opacity);
+    material.opacity = given.opacity.unwrap_or(material.opacity);
+    material.alpha_blend = given.alpha_blend.unwrap_or(false);
     (material.texture, material.cutout) = (texture.map(TextureId), cutout.map(TextureId));
     material.finish = match finish.as_deref() {
         None | Some("matte") => Finish::Matte,

@@ -1,6 +1,6 @@
 //! Converts metallic-roughness materials to [`Material`]. docs/FORMATS.md has the rules.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, ops::RangeInclusive};
 
 use glam::{Mat2, Vec2, Vec3};
 use gltf_json::{
@@ -27,6 +27,10 @@ use crate::{
 const MOST_ABSORPTION: f32 = 1e6;
 /// Maximum of a normal texture's scale.
 const MOST_NORMAL_SCALE: f32 = 1e3;
+/// Alphas of texels that are partly clear.
+const PARTLY_CLEAR: RangeInclusive<usize> = 1..=229;
+/// Largest share of such texels in a texture of leaves or hair, which is cut out instead of blended.
+const MOST_PARTLY_CLEAR: f64 = 0.125;
 
 /// The specification's map from texture coordinates to a picture.
 #[derive(Clone, Copy, PartialEq)]
@@ -87,8 +91,11 @@ pub(super) struct Surfaces<'a> {
 }
 
 /// Opacity and cut-out of a material.
+#[derive(Default)]
 struct Alpha {
     opacity: f32,
+    /// Whether the base colour's alpha multiplies the opacity.
+    blend: bool,
     cutout: Option<TextureId>,
 }
 
@@ -224,6 +231,17 @@ impl<'a> Surfaces<'a> {
         if let Some(coat) = more.clearcoat().filter(|_| surface.is_coated()) {
             self.read_coat(coat, &mut surface, (uv, &name), warnings)?;
         }
+        let clear = extensions.and_then(|extensions| extensions.transmission.as_ref());
+        if let Some(info) = clear.and_then(|clear| clear.transmission_texture.as_ref())
+            && let Some(picture) =
+                self.textures.picture(info.index, &format!("{name}, transmissionTexture"), warnings)?
+        {
+            seen.transmission *= self.textures.means_of(&picture).values.x;
+            match UvRule::of(info) == uv {
+                true => surface.transmission_texture = Some(self.textures.data_id(&picture)),
+                false => surface.transmission = seen.transmission,
+            }
+        }
         if let Some(info) = &description.normal_texture
             && UvRule::transformed(info.tex_coord, more.normal_transform()) == uv
             && let Some(picture) = self.textures.picture(info.index, &format!("{name}, normalTexture"), warnings)?
@@ -250,7 +268,7 @@ impl<'a> Surfaces<'a> {
         material.principled = (!unlit).then_some(surface);
         (material.texture, material.cutout) = (texture, alpha.cutout);
         if !matches!(material.finish, Finish::Glass { .. }) {
-            material.opacity = alpha.opacity;
+            (material.opacity, material.alpha_blend) = (alpha.opacity, alpha.blend);
         }
         material.conserve();
         Ok((material, uv))
@@ -295,8 +313,8 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Returns a material's opacity and cut-out. A mask becomes a cut-out. Blending becomes one opacity, with a cut-out
-    /// where the texture's alpha is below a half.
+    /// Returns a material's opacity and cut-out. A mask becomes a cut-out. So does the texture of a blended material if
+    /// few of its texels are partly clear. Otherwise its alpha multiplies the opacity.
     fn alpha(
         &mut self,
         description: &Description,
@@ -304,8 +322,8 @@ impl<'a> Surfaces<'a> {
         (picture, name): (Option<&Picture>, &str),
         warnings: &mut Warnings,
     ) -> Result<Alpha, Error> {
-        let whole = Alpha { opacity: 1.0, cutout: None };
-        let gone = Alpha { opacity: 0.0, cutout: None };
+        let whole = Alpha { opacity: 1.0, ..Alpha::default() };
+        let gone = Alpha::default();
         match (description.alpha_mode, picture) {
             (Checked::Valid(AlphaMode::Opaque), _) => Ok(whole),
             (Checked::Valid(AlphaMode::Mask), picture) => {
@@ -323,16 +341,20 @@ impl<'a> Surfaces<'a> {
             }
             (Checked::Valid(AlphaMode::Blend), None) => Ok(Alpha { opacity: factor, ..whole }),
             (Checked::Valid(AlphaMode::Blend), Some(picture)) => {
-                let counts = self.textures.alphas(picture);
-                let has = |alphas: std::ops::Range<usize>| counts[alphas].iter().any(|&count| count > 0);
-                // If no alpha reaches a half, the whole surface has one opacity.
-                let first = if has(128..256) { 128 } else { 0 };
-                let of = |weight: fn(usize) -> f64| -> f64 {
-                    (first..256).map(|alpha| weight(alpha) * counts[alpha] as f64).sum()
-                };
-                let opacity = factor * (of(|alpha| alpha as f64 / 255.0) / of(|_| 1.0)) as f32;
-                let cutout = (first == 128 && has(0..128)).then(|| self.textures.id(picture));
-                Ok(Alpha { opacity, cutout })
+                let counts = *self.textures.alphas(picture);
+                let number = |alphas: RangeInclusive<usize>| counts[alphas].iter().sum::<u64>();
+                if number(PARTLY_CLEAR) as f64 > MOST_PARTLY_CLEAR * number(1..=255) as f64 {
+                    let by = format!("{name}, alphaMode");
+                    let cutout = match counts[0] {
+                        0 => None,
+                        _ => self.textures.cutout(picture, 1, &by, warnings)?,
+                    };
+                    return Ok(Alpha { opacity: factor, blend: true, cutout });
+                }
+                let sum = (128..=255).map(|alpha| alpha as f64 / 255.0 * counts[alpha] as f64).sum::<f64>();
+                let opacity = factor * (sum / number(128..=255).max(1) as f64) as f32;
+                let cutout = (number(0..=127) > 0).then(|| self.textures.id(picture));
+                Ok(Alpha { opacity, blend: false, cutout })
             }
             (Checked::Invalid, _) => Err(self.document.fault("a material's alphaMode is unknown".into())),
         }
@@ -342,10 +364,12 @@ impl<'a> Surfaces<'a> {
 /// Returns the maps of a material's textures, the normal texture's last.
 fn uv_rules<'a>(description: &'a Description, more: &'a MoreOfMaterial) -> impl Iterator<Item = UvRule> + 'a {
     let metallic = &description.pbr_metallic_roughness;
+    let clear = description.extensions.as_ref().and_then(|extensions| extensions.transmission.as_ref());
     let infos = [&metallic.base_color_texture, &metallic.metallic_roughness_texture, &description.emissive_texture];
+    let infos = infos.into_iter().flatten().chain(clear.and_then(|clear| clear.transmission_texture.as_ref()));
     let coat = more.clearcoat();
     let coat = coat.map(|coat| [&coat.clearcoat_texture, &coat.clearcoat_roughness_texture]);
-    let infos = infos.into_iter().chain(coat.into_iter().flatten()).flatten();
+    let infos = infos.chain(coat.into_iter().flatten().flatten());
     let normal = description.normal_texture.as_ref();
     infos.map(UvRule::of).chain(normal.map(|info| UvRule::transformed(info.tex_coord, more.normal_transform())))
 }
@@ -373,8 +397,8 @@ fn note_left_out(description: &Description, more: &MoreOfMaterial, index: usize,
         warnings.left_out("normal textures of clear coats", place);
     }
     let extensions = description.extensions.as_ref();
-    let clear = extensions.and_then(|extensions| extensions.transmission.as_ref());
-    if clear.is_some_and(|clear| clear.transmission_texture.is_some()) {
-        warnings.left_out("transmission textures", place);
+    let specular = extensions.and_then(|extensions| extensions.specular.as_ref());
+    if specular.is_some_and(|of| of.specular_texture.is_some() || of.specular_color_texture.is_some()) {
+        warnings.left_out("textures of KHR_materials_specular", place);
     }
 }

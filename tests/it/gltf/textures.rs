@@ -3,8 +3,8 @@
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Value, json};
 use stereotrace::{
-    Limits, Material, Method, MissingTextures, Options, OutsideFiles, Scene, SceneFile, SceneOptions, StereoCamera,
-    TextureId, TextureKind, Wrap,
+    Finish, Limits, Material, Method, MissingTextures, Options, OutsideFiles, Scene, SceneFile, SceneOptions,
+    StereoCamera, TextureId, TextureKind, Wrap,
     blocking::Wait,
     glam::{Vec2, Vec3, Vec4},
 };
@@ -219,14 +219,20 @@ fn masks_cut_out_from_their_cutoff_on() {
     assert_eq!(read("MASK", Some(0.0), 1.0).1.cutout, None);
     let (_, opaque) = read("OPAQUE", None, 0.3);
     assert_eq!((opaque.cutout, opaque.opacity), (None, 1.0));
-    // The visible part becomes a transparent surface, which is cut out where alpha is below a half.
-    let (_, veil) = read("BLEND", None, 0.5);
-    assert_eq!(veil.cutout, veil.texture);
-    assert!((veil.opacity - 0.5 * (128.0 + 255.0) / 510.0).abs() < 1e-6, "{}", veil.opacity);
+    // The texture's alpha blends, but for what it leaves out.
+    let (scene, veil) = read("BLEND", None, 0.5);
+    assert_eq!((veil.opacity, veil.alpha_blend), (0.5, true));
+    assert_eq!(alphas(&scene, &veil), [0, 255, 255, 255, 255, 255, 255]);
     let thin = textured(&[[9, 9, 9, 51], [9, 9, 9, 102]], json!({ "alphaMode": "BLEND" }));
     let scene = self::scene(thin.text());
-    assert_eq!(material(&scene).cutout, None);
-    assert!((material(&scene).opacity - 0.3).abs() < 1e-6);
+    let thin = material(&scene);
+    assert_eq!((thin.opacity, thin.alpha_blend, thin.cutout), (1.0, true, None));
+    // Leaves have few texels that are partly clear, and are cut out below a half.
+    let mut leaves = vec![[9, 9, 9, 255]; 8];
+    leaves.extend([[9, 9, 9, 0], [9, 9, 9, 100]]);
+    let leaves = self::scene(textured(&leaves, json!({ "alphaMode": "BLEND" })).text());
+    let leaves = material(&leaves);
+    assert_eq!((leaves.opacity, leaves.alpha_blend, leaves.cutout), (1.0, false, leaves.texture));
 }
 
 #[test]
@@ -241,6 +247,15 @@ fn direct_light_shows_the_means_of_metal_roughness_and_emission_and_paths_their_
     builder.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"] = json!({ "index": texture });
     let glow = builder.texture(&png(2, 1, &[[188, 0, 0, 255], [188, 255, 0, 255]]));
     builder.json["materials"][0]["emissiveTexture"] = json!({ "index": glow });
+    let clear = builder.texture(&png(2, 1, &[[51, 0, 0, 255], [153, 0, 0, 255]]));
+    builder.json["materials"][0]["extensions"]["KHR_materials_transmission"] =
+        json!({ "transmissionFactor": 0.5, "transmissionTexture": { "index": clear } });
+    let clear = scene(builder.binary());
+    let found = material(&clear).principled.unwrap();
+    assert!(found.transmission == 0.5 && clear.textures()[found.transmission_texture.unwrap().0 as usize].data);
+    let Finish::Glass { transmission, .. } = material(&clear).finish else { panic!("{found:?}") };
+    assert_near(transmission, Vec3::splat(0.5 * 0.5 * 0.4));
+    builder.json["materials"][0]["extensions"] = json!({});
     let scene = scene(builder.binary());
     let found = material(&scene);
     // The means of metal and roughness are a half. Highlights use the mean of the base colour, which is half of red.
