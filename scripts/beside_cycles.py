@@ -5,9 +5,10 @@ Run it with a Python that has bpy, numpy and OpenEXR from PyPI:
     python scripts/beside_cycles.py FOLDER --command target/release/stereotrace
 
 It makes the room in Blender and exports it as glTF. Both programs then render a pair, with an off-axis frustum for each
-eye: Cycles with 32 samples and its denoiser, stereotrace with several numbers of samples and paths, denoised. Each
-program's converged picture is rendered twice, with other random numbers. An error is the root of the mean product of the
-differences from both, so it leaves out their noise. Values are sRGB, 0 to 1. CPU seconds include the programs' start.
+eye: Cycles with 32 samples and its denoiser, stereotrace with several numbers of samples and paths, denoised. The
+converged pictures of each program, and of each filter of stereotrace, are rendered twice, with other random numbers. An
+error is the root of the mean product of the differences from both, so it leaves out their noise. Values are sRGB, 0 to
+1. CPU seconds include the programs' start.
 """
 
 import argparse
@@ -224,6 +225,7 @@ def main() -> None:
     parser.add_argument("--command", default="stereotrace", help="the command stereotrace")
     parser.add_argument("--size", default="480x320")
     parser.add_argument("--paths", default="4:4,9:9,16:16,16:32,36:36", help="samples and paths per pixel")
+    parser.add_argument("--filters", default="box,gauss", help="filters of stereotrace")
     parser.add_argument("--converged", type=int, default=256, help="samples and paths of each converged picture")
     parser.add_argument("--part", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
@@ -256,23 +258,27 @@ def main() -> None:
             cost += timed([*this, "--part", part])
         return [read(file) for file in files], cost
 
-    def by_stereotrace(samples, paths, *options):
-        file = folder / f"stereotrace_{samples}_{paths}.exr"
-        lighting = ["--samples", samples, "--lighting", f"paths={paths}:{BOUNCES}"]
+    def by_stereotrace(samples, paths, filter, *options):
+        file = folder / f"stereotrace_{samples}_{paths}_{filter}.exr"
+        lighting = ["--samples", samples, "--lighting", f"paths={paths}:{BOUNCES}", "--filter", filter]
         cost = timed([*render, *lighting, *options, "--out", file])
         return [read(file, part) for part in (0, 1)], cost
 
     seeds = (7, 8)
-    ours = [by_stereotrace(64, arguments.converged, "--denoise=false", "--seed", seed)[0] for seed in seeds]
+    ours = {
+        filter: [by_stereotrace(64, arguments.converged, filter, "--denoise=false", "--seed", seed)[0] for seed in seeds]
+        for filter in arguments.filters.split(",")
+    }
     theirs = [by_cycles(arguments.converged, False, seed)[0] for seed in seeds]
-    for eye, own, cycles in zip(EYES, zip(*ours), zip(*theirs)):
+    for eye, own, cycles in zip(EYES, zip(*next(iter(ours.values()))), zip(*theirs)):
         means = [np.minimum(np.mean(pictures, 0), 1).mean() for pictures in (own, cycles)]
         print(f"{eye} eye, converged: mean {means[0]:.4f}, {means[1]:.4f} by Cycles ({means[0] / means[1] - 1:+.2%})")
     rows = [("Cycles, 32 samples, denoised", theirs, by_cycles(32, True, 0))]
-    for samples, paths in (map(int, pair.split(":")) for pair in arguments.paths.split(",")):
-        name = f"stereotrace, {samples} samples, {paths} paths, denoised"
-        by_stereotrace(samples, paths, "--denoise")  # drivers keep compiled kernels
-        rows.append((name, ours, by_stereotrace(samples, paths, "--denoise")))
+    for filter, converged in ours.items():
+        for samples, paths in (map(int, pair.split(":")) for pair in arguments.paths.split(",")):
+            name = f"stereotrace, {filter}, {samples} samples, {paths} paths, denoised"
+            by_stereotrace(samples, paths, filter, "--denoise")  # drivers keep compiled kernels
+            rows.append((name, converged, by_stereotrace(samples, paths, filter, "--denoise")))
     print("| picture | CPU s a pair | error, left | error, right |\n|---|---|---|---|")
     for name, converged, (pictures, cost) in rows:
         errors = [error(picture, limits) for picture, limits in zip(pictures, zip(*converged))]

@@ -187,11 +187,10 @@ fn bounded_density(alpha: f32, to_viewer: f32) -> f32 {
     return 0.5 / (bound_of(alpha, to_viewer) * to_viewer + sqrt(sine + to_viewer * to_viewer));
 }
 
-// Chooses a facet that the viewer sees, by a point in the unit square. `bound` is the result of bound_of, or 1 for
-// facets that need not reflect upwards.
-fn facet_towards(normal: vec3f, to_viewer: vec3f, alpha: f32, bound: f32, at: vec2f) -> vec3f {
+// Chooses a facet that the viewer sees, by a point in the unit square. `facing` is the cosine of the viewer's angle to
+// the normal. `bound` is the result of bound_of, or 1 for facets that need not reflect upwards.
+fn facet_towards(normal: vec3f, to_viewer: vec3f, facing: f32, alpha: f32, bound: f32, at: vec2f) -> vec3f {
     let sides = across(normal);
-    let facing = max(dot(to_viewer, normal), 1e-4);
     let seen = normalize(vec3f(dot(to_viewer, sides[0]), dot(to_viewer, sides[1]), facing));
     let stretched = normalize(vec3f(seen.xy * alpha, seen.z));
     let lowest = bound * stretched.z;

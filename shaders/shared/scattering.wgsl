@@ -168,7 +168,7 @@ fn scattered(vertex: Vertex, choice: f32, at: vec2f) -> Scattered {
     } else {
         let facing = max(dot(normal, vertex.to_viewer), 1e-4);
         let bound = bound_of(alpha, facing);
-        let facet = facet_towards(normal, vertex.to_viewer, alpha, bound, at);
+        let facet = facet_towards(normal, vertex.to_viewer, facing, alpha, bound, at);
         result.direction = normalize(facet * (2.0 * dot(vertex.to_viewer, facet)) - vertex.to_viewer);
         let there = reflectance_of(vertex, result.direction);
         result.density = there.glossy_density;
@@ -243,11 +243,13 @@ fn through_facets(vertex: Vertex, first_choice: f32, first_at: vec2f) -> Scatter
     var at = first_at;
     var side = 1.0;
     var to_viewer = vertex.to_viewer;
+    var facing = max(dot(to_viewer, vertex.normal), 1e-4);
     var weight = vec3f(1.0);
     var result: Scattered;
     var facets = 0u;
     loop {
-        let facet = facet_towards(vertex.normal * side, to_viewer, alpha, 1.0, at);
+        let normal = vertex.normal * side;
+        let facet = facet_towards(normal, to_viewer, facing, alpha, 1.0, at);
         let way = past_glass(vertex, facet, to_viewer, vertex.from_outside == (side > 0.0), choice);
         weight *= way.weight;
         side *= way.side;
@@ -263,7 +265,9 @@ fn through_facets(vertex: Vertex, first_choice: f32, first_at: vec2f) -> Scatter
         }
         facets += 1u;
         if facets >= MOST_FACETS { break; }
-        to_viewer = -way.direction;
+        // Light that goes up and does not leave meets facets from below.
+        to_viewer = -normalize(way.direction);
+        facing = dot(to_viewer, vertex.normal) * side;
         at = chances.yz;
         words = scrambled(words);
         choice = f32(words.x >> 8u) / 16777216.0;

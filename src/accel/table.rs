@@ -328,7 +328,7 @@ fn body_of(texture: &Texture, at: u32) -> Vec<Texel> {
     let (size, pixels) = match texture.kind() {
         TextureKind::Image { size, pixels } => (*size, pixels),
         TextureKind::Checkerboard { colors, .. } => {
-            let alpha = |color: Vec3| color.dot(BRIGHTNESS.as_vec3());
+            let alpha = |color: Vec3| color.dot(BRIGHTNESS.as_vec3()).min(1.0);
             return colors.map(|color| texel(color, alpha(color).to_bits())).to_vec();
         }
     };

@@ -63,7 +63,7 @@ pub struct Material {
     /// Share of the background that the surface hides, 0 to 1. MTL's `d`, or 1 - `Tr`.
     pub opacity: f32,
     /// Whether the alpha of `texture` multiplies the opacity; glass ignores it. A checkerboard's alpha is its colours'
-    /// brightness.
+    /// brightness, at most 1.
     #[cfg_attr(feature = "serde", serde(default))]
     pub alpha_blend: bool,
     /// Colour of highlights, or the share that a mirror or glass reflects; linear RGB, 0 to 1. MTL's `Ks`.

@@ -344,10 +344,10 @@ impl<'a> Surfaces<'a> {
                 let counts = *self.textures.alphas(picture);
                 let number = |alphas: RangeInclusive<usize>| counts[alphas].iter().sum::<u64>();
                 if number(PARTLY_CLEAR) as f64 > MOST_PARTLY_CLEAR * number(1..=255) as f64 {
-                    let by = format!("{name}, alphaMode");
+                    // Without the cut-out, rays meet what is clear, and pass.
                     let cutout = match counts[0] {
                         0 => None,
-                        _ => self.textures.cutout(picture, 1, &by, warnings)?,
+                        _ => self.textures.cutout_of(picture, 1).ok(),
                     };
                     return Ok(Alpha { opacity: factor, blend: true, cutout });
                 }

@@ -152,25 +152,34 @@ impl<'a> Textures<'a> {
         by: &str,
         warnings: &mut Warnings,
     ) -> Result<Option<TextureId>, Error> {
+        match self.cutout_of(picture, least) {
+            Ok(id) => Ok(Some(id)),
+            Err(error) => self.lost(by, error, warnings),
+        }
+    }
+
+    /// Returns the texture id of a picture that is cut out below an alpha.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] if a copy of the picture exceeds the limits.
+    pub(super) fn cutout_of(&mut self, picture: &Picture, least: u8) -> Result<TextureId, Error> {
         let counts = self.alphas(picture);
         let between = usize::from(least.min(MASK_ALPHA))..usize::from(least.max(MASK_ALPHA));
         if counts[between].iter().all(|&count| count == 0) {
-            return Ok(Some(self.id(picture)));
+            return Ok(self.id(picture));
         }
         // Thresholds that cut the same pixels share one texture.
         let least = (least..=255).find(|&alpha| counts[usize::from(alpha)] > 0).unwrap_or(255);
         let wrap = picture.texture.wrap;
         let texture = match self.pictures[picture.number].cut.get(&least) {
             Some(texture) => texture.clone(),
-            None => match self.cut(picture, least) {
-                Ok(texture) => {
-                    self.pictures[picture.number].cut.insert(least, texture.clone());
-                    texture
-                }
-                Err(error) => return self.lost(by, error, warnings),
-            },
+            None => {
+                let texture = self.cut(picture, least)?;
+                self.pictures[picture.number].cut.insert(least, texture.clone());
+                texture
+            }
         };
-        Ok(Some(self.added((picture.number, wrap, Some(least), false), texture.wrap(wrap))))
+        Ok(self.added((picture.number, wrap, Some(least), false), texture.wrap(wrap)))
     }
 
     /// Returns a copy of a picture with an alpha of 255 from `least` on, 0 below.
