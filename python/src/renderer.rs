@@ -286,6 +286,8 @@ impl Renderer {
     /// - ``shadow_buffer``: shadow buffers in place of shadow rays to point lights: a tuple, such as
     ///   ``(400, "hybrid")``. It has the number of rows of a table, and a rule: ``"object"``, ``"depth"`` or
     ///   ``"hybrid"``. Default ``None``.
+    /// - ``history``: memory for samples of earlier frames in MiB. The next frame of the same scene and size finds the
+    ///   same first hits by them, with fewer rays. Default ``None``.
     /// - ``count``: whether to count BVH nodes and primitive tests, which is slower. Default ``False``.
     ///
     /// Raises ``ValueError`` for invalid options, cameras and scenes. Raises ``LimitError`` if the picture or scene

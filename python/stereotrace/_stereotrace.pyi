@@ -105,6 +105,8 @@ class RenderOptions(TypedDict, total=False):
     visibility: Literal["rays", "t-buffer"]
     # Shadow buffers in place of shadow rays to point lights: rows of a table, 1 or more, and a rule. Default None.
     shadow_buffer: tuple[int, Literal["object", "depth", "hybrid"]] | None
+    # Memory for samples of earlier frames in MiB, by which the next frame finds the same first hits. Default None.
+    history: int | None
     # Whether to count BVH nodes and primitive tests, which is slower. Default False.
     count: bool
 

@@ -65,6 +65,9 @@ pub struct Options {
     pub denoise: bool,
     /// Answer shadow queries to point lights by shadow-buffers; with `None`, the default, shadow rays are traced.
     pub shadow_buffer: Option<ShadowBuffer>,
+    /// Memory for samples of earlier frames, in MiB; `None` by default. The next frame of the same scene and size finds
+    /// its first hits by them ([`Options::history`]).
+    pub history: Option<u32>,
     /// Which of several passes the frame is ([`Passes`](crate::Passes)).
     pub(crate) pass: Pass,
 }
@@ -269,6 +272,7 @@ impl Options {
             lighting: Lighting::Direct,
             denoise: false,
             shadow_buffer: None,
+            history: None,
             pass: Pass::default(),
         }
     }
@@ -306,6 +310,18 @@ impl Options {
     /// Sets whether [`View::linear`](crate::View::linear) is kept.
     pub fn linear(mut self, linear: bool) -> Self {
         self.linear = linear;
+        self
+    }
+
+    /// Sets the memory for samples of earlier frames in MiB, at least 1. A film's next frame then searches the tiles of
+    /// its traced view only as deep as these samples landed (docs/BRACKET.md). Pictures are the same as without, but
+    /// for the rounding of adapters that contract operations.
+    ///
+    /// It takes 32 bytes per sample. A frame has no history if that is more memory, if it is adaptive, encoded, traced
+    /// in steps or drawn into a T-buffer, if several views are traced, and if `bracket`, `bracket-rays` or `auto` does
+    /// not make its views. Memory is freed by [`Renderer::forget`](crate::Renderer::forget).
+    pub fn history(mut self, mebibytes: impl Into<Option<u32>>) -> Self {
+        self.history = mebibytes.into();
         self
     }
 
@@ -525,6 +541,9 @@ impl Options {
                     return Err(Error::Options { option, reason });
                 }
             }
+        }
+        if let Some(mebibytes) = self.history {
+            within("history", mebibytes, 1..=u32::MAX)?;
         }
         self.check_adaptive()?;
         self.shadow_buffer.map_or(Ok(()), |buffer| buffer.check())?;

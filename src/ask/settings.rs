@@ -194,6 +194,14 @@ impl Setting {
             },
         },
         Self {
+            name: "history",
+            form: "MIB|off",
+            about: "Memory for samples of earlier frames in MiB, at least 1. The next frame finds the same first hits \
+                    by them, with fewer rays",
+            set: |options, text| put(&mut options.history, off(text, count)),
+            get: |options| optional(options.history, |mebibytes| mebibytes.to_string()),
+        },
+        Self {
             name: "count",
             form: "BOOL",
             about: "Count BVH nodes and primitive tests (slower): true or false",
@@ -343,7 +351,7 @@ mod tests {
     use super::*;
 
     /// Two values of each setting: the default and another one.
-    const VALUES: [(&str, &str, &str); 19] = [
+    const VALUES: [(&str, &str, &str); 20] = [
         ("method", "auto", "buffer-8-edges"),
         ("samples", "1", "64"),
         ("adaptive", "off", "8.5:3"),
@@ -362,6 +370,7 @@ mod tests {
         ("noise_by_view", "false", "true"),
         ("visibility", "rays", "t-buffer"),
         ("shadow_buffer", "off", "400:depth=2"),
+        ("history", "off", "256"),
         ("count", "false", "true"),
     ];
 

@@ -11,6 +11,7 @@ use std::{ops::ControlFlow, time::Duration};
 use super::{
     bands::Band,
     executor::{Executor, Resources, Workgroups},
+    history::Remembered,
     lanes::Lanes,
     plan::{Launch, Plan, Stage, Step},
     targets::Targets,
@@ -50,6 +51,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) uniforms: Uniforms,
     /// Resources of the scene, which all views share.
     pub(crate) shared: Resources,
+    /// Samples of frames, if the plan reads or keeps them.
+    pub(crate) history: Option<Remembered>,
 }
 
 /// Driver of one frame.
@@ -64,6 +67,7 @@ pub(crate) struct Driver<'a> {
     /// Uniforms of each view, with the rows of the current band.
     uniforms: Uniforms,
     slots: Slots<'a>,
+    history: Option<Remembered>,
     /// State that threads keep between dispatches, for kernels that run in steps.
     lanes: Option<Lanes>,
     /// Masks of the wanted pixels of each view in the current band, if not all are wanted.
@@ -78,7 +82,7 @@ impl<'a> Driver<'a> {
     /// Creates the driver of a frame, and discards the timestamps of the last frame.
     pub(crate) fn new(engine: Engine<'a>, setting: Setting<'a>, progress: &'a mut OnProgress<'a>) -> Self {
         let Engine { gpu, kernels, slots, mut timestamps } = engine;
-        let Setting { eyes, variant, targets, uniforms, shared } = setting;
+        let Setting { eyes, variant, targets, uniforms, shared, history } = setting;
         if let Some(timestamps) = &mut timestamps {
             timestamps.restart();
         }
@@ -86,6 +90,7 @@ impl<'a> Driver<'a> {
         let resources = |(view, (source, second)): (usize, (&usize, &usize))| {
             let mut all = shared.clone();
             targets.add_resources(view, *source, *second, &mut all);
+            history.iter().for_each(|history| history.add_resources(&mut all));
             all
         };
         Self {
@@ -97,6 +102,7 @@ impl<'a> Driver<'a> {
             resources: views.map(resources).collect(),
             uniforms,
             slots: Slots::new(slots),
+            history,
             lanes: None,
             masks: Vec::new(),
             host: Duration::ZERO,
@@ -120,6 +126,7 @@ impl<'a> Driver<'a> {
             Launch::Pixels => self.workgroups(rows, [block, block]),
             Launch::Runs(pixels) => self.workgroups(rows, [pixels, 1]),
             Launch::Tiles | Launch::WideTiles | Launch::EachTile => self.tiles(rows, launch),
+            Launch::Picture(block) => self.workgroups(targets.shape.bands.height(), block),
             Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],
             Launch::Number(workgroups) => workgroups,
             Launch::Once => [1, 1, 1],
@@ -162,13 +169,22 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Uploads the initial heads of lists, which all bands of a plan share.
+    /// Uploads the initial heads of lists, which all bands of a plan share, and runs the steps before the first band.
     pub(crate) async fn begin(&mut self, plan: &Plan) -> Result<(), Error> {
-        let write = || {
-            self.gpu.queue.write_buffer(&self.targets.empty_lists, 0, bytemuck::cast_slice(&self.heads(plan)));
+        let gpu = self.gpu;
+        let begin = || {
+            gpu.queue.write_buffer(&self.targets.empty_lists, 0, bytemuck::cast_slice(&self.heads(plan)));
+            if plan.before.is_empty() {
+                return Ok(());
+            }
+            self.upload_uniforms();
+            let mut encoder = self.encoder();
+            self.history.iter().for_each(|history| encoder.clear_buffer(&history.bounds, 0, None));
+            self.encode_all(&mut encoder, &plan.before);
+            gpu.submit([encoder.finish()]);
             Ok(())
         };
-        self.gpu.checked(write).await
+        gpu.checked(begin).await
     }
 
     /// Returns the initial heads of lists. The dispatches that `choose` enables or disables as a whole are initially
@@ -310,6 +326,8 @@ impl Driver<'_> {
             Step::EmptySlots => self.slots.clear(encoder),
             Step::Clear(resource, bytes) => encoder.clear_buffer(targets.get(resource, 0), 0, bytes),
             Step::Copy(view) => self.encode_copy(encoder, view),
+            Step::CopyBounds(view) => self.encode_copy_of_bounds(encoder, view),
+            Step::Remember(view) => self.encode_copy_of_samples(encoder, view),
             Step::Run { name, kernel, view, launch, part } => {
                 let workgroups = self.launched(kernel, view, launch);
                 let uniform = self.uniforms.held(view, part, &targets.uniforms);
@@ -343,6 +361,32 @@ impl Driver<'_> {
                 encoder.copy_buffer_to_buffer(from, begin, to, begin, Some(row * u64::from(rows)));
             }
         }
+    }
+
+    fn history(&self) -> &Remembered {
+        self.history.as_ref().expect("a plan with a history has one")
+    }
+
+    fn encode_copy_of_bounds(&self, encoder: &mut wgpu::CommandEncoder, view: usize) {
+        let (band, to) = (self.uniforms.band(view), self.targets.get(Resource::Bounds, view));
+        let tile_rows = |rows: u32| u64::from(rows.div_ceil(layout::TILE));
+        let bytes = u64::from(band.size[0].div_ceil(layout::TILE)) * 4 * u64::from(layout::BOUND_WORDS);
+        let (first, count) = (tile_rows(band.first_row), tile_rows(band.size[1]));
+        encoder.copy_buffer_to_buffer(&self.history().bounds, first * bytes, to, 0, Some(count * bytes));
+    }
+
+    fn encode_copy_of_samples(&self, encoder: &mut wgpu::CommandEncoder, view: usize) {
+        let band = self.uniforms.band(view);
+        let place = |texture, y| wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: 0,
+            origin: wgpu::Origin3d { x: 0, y, z: 0 },
+            aspect: wgpu::TextureAspect::All,
+        };
+        let (from, to) = (self.targets.samples_of(view).texture(), self.history().current.texture());
+        let size = wgpu::Extent3d { width: band.size[0], height: self.rows_of(view), depth_or_array_layers: 1 };
+        let (from, to) = (place(from, band.row_begin), place(to, band.first_row + band.row_begin));
+        encoder.copy_texture_to_texture(from, to, size);
     }
 
     /// Returns the workgroups of a launch over the tiles of this many rows.

@@ -5,6 +5,7 @@ mod bands;
 pub(crate) mod driver;
 pub(crate) mod executor;
 pub(crate) mod eyes;
+pub(crate) mod history;
 pub(crate) mod lanes;
 pub(crate) mod plan;
 pub(crate) mod read;

@@ -13,6 +13,8 @@ pub(crate) enum Made {
     Traced,
     /// All pixels were drawn into a T-buffer, except pixels counted as missed, which were traced.
     Drawn,
+    /// All pixels were found within bounds by an earlier frame, or traced.
+    Recalled,
     /// All pixels were resolved by `bracket`. The marks say how.
     Bracketed,
     /// All pixels were copied from the source.
@@ -27,6 +29,8 @@ pub(crate) enum Made {
 /// The stages that a frame runs on each band, and the properties that specialise its kernels.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
+    /// Steps over the whole picture, before the first band.
+    pub(crate) before: Vec<Step>,
     pub(crate) stages: Vec<Stage>,
     /// Rule by which views reuse visibility bits. It also determines which data of source samples are kept.
     pub(crate) bits: ShadowReuse,
@@ -108,6 +112,10 @@ pub(crate) enum Step {
     },
     /// Copies a view from its source.
     Copy(usize),
+    /// Copies the bounds that an earlier frame gives for the tiles of a view's band.
+    CopyBounds(usize),
+    /// Keeps the samples of a view's band for later frames.
+    Remember(usize),
     /// Empties the lists.
     EmptyLists,
     /// Empties the lists of paths.
@@ -133,6 +141,8 @@ pub(crate) enum Launch {
     EachTile,
     /// One thread per row of the band.
     Rows,
+    /// One thread per block of this size, of the whole picture.
+    Picture([u32; 2]),
     /// This number of workgroups, whatever the band's size is.
     Number([u32; 3]),
     /// Indirect dispatch by the head of a list in a buffer: the buffer, and the list's index. An earlier step filled
@@ -168,11 +178,12 @@ impl Step {
 impl Plan {
     /// Returns all steps, including the steps in stages on the host.
     fn steps(&self) -> impl Iterator<Item = Step> + '_ {
-        self.stages.iter().flat_map(|stage| match stage {
+        let stages = self.stages.iter().flat_map(|stage| match stage {
             Stage::Steps(steps) => steps.clone(),
             Stage::Host(Host::Slots(_, _, steps)) => steps.clone(),
             Stage::Host(Host::Sweep(_)) => Vec::new(),
-        })
+        });
+        self.before.iter().copied().chain(stages)
     }
 
     /// Returns the number of steps, without those that run on the host.
@@ -196,6 +207,7 @@ impl Plan {
                 }
                 // These steps add no places, since the plan's kernels bind the same buffers.
                 Step::EmptyLists | Step::EmptyPaths | Step::EmptySlots | Step::Clear(..) => {}
+                Step::CopyBounds(_) | Step::Remember(_) => {}
             }
         }
         // Statistics are read for every view.
@@ -206,6 +218,11 @@ impl Plan {
     /// Returns whether the marks of views must be cleared before the first step, since steps add to them.
     pub(crate) fn clears_marks(&self) -> bool {
         self.made.iter().any(|made| matches!(made, Made::Marked { .. }))
+    }
+
+    /// Returns whether the samples of some view are kept for later frames.
+    pub(crate) fn remembers(&self) -> bool {
+        self.steps().any(|step| matches!(step, Step::Remember(_)))
     }
 
     /// Returns whether a stage runs on the host.

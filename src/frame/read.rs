@@ -149,7 +149,7 @@ impl ReadBack {
         let object = |id: &u32| ids.objects.get(*id as usize).copied().unwrap_or(crate::MISS);
         let count = all(Part::Color).len();
         let source = match made {
-            Made::Traced | Made::Drawn | Made::Chosen => vec![PixelSource::Traced; count],
+            Made::Traced | Made::Drawn | Made::Chosen | Made::Recalled => vec![PixelSource::Traced; count],
             Made::Copied => vec![PixelSource::Reused; count],
             Made::Marked { .. } | Made::Bracketed => all(Part::Color).map(pixel_source).collect(),
         };

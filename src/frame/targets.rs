@@ -8,6 +8,7 @@ use std::{
 use super::{
     bands::Bands,
     executor::{Held, Resources, indirect_buffer},
+    history::History,
     uniforms::uniforms_bytes,
 };
 use crate::{
@@ -41,6 +42,7 @@ impl Resource {
                 Some((self, 0))
             }
             Self::Frame | Self::Bvh | Self::Geometry | Self::Table | Self::ObjectTable => None,
+            Self::History | Self::HistoryBounds => None,
             Self::Slots | Self::SecondSamples | Self::Wanted | Self::ShadowBuffers | Self::Picture => None,
             Self::Texels | Self::Steps | Self::RayList | Self::Found => None,
             Self::NoisyLight | Self::SmoothLight | Self::Guides => None,
@@ -245,6 +247,11 @@ impl Targets {
         &self.buffers[&(resource, view)]
     }
 
+    /// Returns the texture with the samples of a traced view.
+    pub(crate) fn samples_of(&self, view: usize) -> &wgpu::TextureView {
+        &self.samples[&(Resource::KeptSamples, view)]
+    }
+
     /// Returns a buffer, if the frame has it.
     pub(crate) fn find(&self, place: Place) -> Option<&wgpu::Buffer> {
         self.buffers.get(&place)
@@ -296,6 +303,8 @@ pub(crate) struct Cache {
     /// Number of targets that are kept besides the current one.
     others: usize,
     pub(crate) slots: Option<wgpu::Buffer>,
+    /// Samples of the last frame that kept them.
+    pub(crate) history: Option<History>,
     /// Staging buffers for reuse. None of them is mapped.
     pub(crate) staging: Vec<Staging>,
 }

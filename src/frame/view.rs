@@ -45,7 +45,8 @@ pub enum PixelSource {
     Bad = 1,
     /// Traced, since no left sample landed here. With `bracket`, the tile has no bound, or a list overflowed.
     Missed = 2,
-    /// Traced, or found by a [T-buffer](crate::Visibility::TBuffer), independently of the left view (`Naive`).
+    /// Traced, or found by a [T-buffer](crate::Visibility::TBuffer) or by the samples of an earlier frame,
+    /// independently of the left view (`Naive`).
     Traced = 3,
 }
 

@@ -5,7 +5,8 @@
 #[non_exhaustive]
 pub struct Rays {
     /// Closest-hit rays through pixels. With a [T-buffer](crate::Visibility::TBuffer), only rays that are traced in
-    /// addition to it.
+    /// addition to it. With a history ([`Options::history`](crate::Options::history)), only those of pixels whose bound
+    /// does not suffice.
     pub primary: u64,
     /// Any-hit rays of limited length that verify reused pixels.
     pub verification: u64,

@@ -103,9 +103,8 @@ impl Gpu {
                         remedy: "use fewer primitives",
                     });
                 }
-                let make = || Ok(self.texel_rows(label, TEXTURE_WIDTH.min(count.max(1) as u32), count));
-                let texture = self.checked(make).await?;
-                Ok(Texels::Texture(texture.create_view(&wgpu::TextureViewDescriptor::default())))
+                let make = || Ok(self.rows_of_texels(label, TEXTURE_WIDTH.min(count.max(1) as u32), count));
+                Ok(Texels::Texture(self.checked(make).await?))
             }
             Fetch::Buffer => {
                 let (what, bytes) = (format!("the scene's {label} buffer"), (count * size_of::<Texel>()) as u64);
@@ -143,6 +142,19 @@ impl Gpu {
         self.in_pieces(texels, write).await
     }
 
+    /// Writes texels to a texture's rows, from index `begin` on.
+    ///
+    /// # Errors
+    /// See [`Gpu::fill`].
+    pub(crate) async fn fill_rows(
+        &self,
+        texture: &wgpu::Texture,
+        begin: usize,
+        texels: impl Iterator<Item = Texel>,
+    ) -> Result<(), Error> {
+        self.in_pieces(texels, |first, texels| self.write_rows(texture, begin + first, texels)).await
+    }
+
     /// Writes texels in pieces; `write` takes the index of a piece's first texel. A driver holds a copy of each piece
     /// until it is uploaded, so each piece is waited for before the next.
     async fn in_pieces(
@@ -170,17 +182,22 @@ impl Gpu {
 
     /// Creates a texture and fills it with rows of texels. The last row may be partial.
     pub(crate) fn filled_texture(&self, label: &str, width: u32, texels: &[Texel]) -> wgpu::TextureView {
-        let texture = self.texel_rows(label, width, texels.len());
-        self.write_rows(&texture, 0, texels);
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
+        let view = self.rows_of_texels(label, width, texels.len());
+        self.write_rows(view.texture(), 0, texels);
+        view
+    }
+
+    /// Creates a texture with room for this many texels in rows of `width`.
+    pub(crate) fn rows_of_texels(&self, label: &str, width: u32, texels: usize) -> wgpu::TextureView {
+        self.texel_rows(label, width, texels).create_view(&wgpu::TextureViewDescriptor::default())
     }
 
     /// Creates a texture with room for this many texels in rows of `width`.
     fn texel_rows(&self, label: &str, width: u32, texels: usize) -> wgpu::Texture {
         let height = texels.div_ceil(width as usize).max(1) as u32;
-        let usage =
-            wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-        self.texture(label, [width, height], TEXELS, usage, &[])
+        let bound = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+        let copied = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST;
+        self.texture(label, [width, height], TEXELS, bound | copied, &[])
     }
 
     /// Writes texels to a texture's rows, from index `first` on. The first and the last row may be partial.

@@ -256,6 +256,9 @@ pub(crate) const TILE: u32 = 8;
 pub(crate) const WIDE_TILE: u32 = 16;
 /// Number of pixels of a row that a thread of `mark_busy` tests (`shaders/shared/tiles.wgsl`).
 pub(crate) const BUSY_RUN: u32 = 16;
+/// Distance between the samples of a quad in pixels, and the number of quads per thread of `bound_by_history`.
+pub(crate) const QUAD: u32 = 2;
+pub(crate) const QUAD_RUN: u32 = 4;
 /// Number of pixels of a tile.
 pub(crate) const TILE_PIXELS: u32 = TILE * TILE;
 /// Number of words per tile for its bound and its busy lights (`shaders/shared/tiles.wgsl`).

@@ -35,6 +35,9 @@ resources! {
     SourceLinear = "source_linear",
     /// Search bound and busy lights of each tile of the current view.
     Bounds = "bounds",
+    /// Samples of an earlier frame's view, and search bounds by them for each tile of the whole current view.
+    History = "history",
+    HistoryBounds = "history_bounds",
     /// Counters of each row of the current view, followed by its cost map and its masks of soft light.
     Counters = "counters",
     /// Counters of the source view.

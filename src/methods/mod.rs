@@ -10,9 +10,10 @@ mod sweep;
 
 use crate::{
     Method, ShadowReuse,
-    frame::plan::{InSteps, Made, Plan, Search, Stage, targets},
+    frame::history::Recall,
+    frame::plan::{InSteps, Made, Plan, Search, Stage, Step, targets},
     steps::{
-        mirrors,
+        history, mirrors,
         paths::{self, Paths},
         trace,
     },
@@ -34,6 +35,8 @@ pub(crate) struct Views<'a> {
     pub(crate) search: Search,
     /// Primitives to draw if a T-buffer finds the hits of traced views.
     pub(crate) drawn: Option<Drawn>,
+    /// How samples of frames are used for later ones.
+    pub(crate) recall: Recall,
 }
 
 /// A view that a method makes from another.
@@ -69,12 +72,19 @@ impl Promise {
 
 /// Returns the plan of a method.
 pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
-    let Views { sources, mirrors, paths, soft, search, drawn } = *views;
+    let Views { sources, mirrors, paths, soft, search, drawn, .. } = *views;
     let Promise { made, bits, samples, reaches, follows } = promise(method, drawn.is_some());
     let behind = |view| if mirrors { mirrors::of(view) } else { Vec::new() };
     let all = 0..sources.len();
     let traced = all.clone().filter(|&view| sources[view] == view);
-    let source = |view| drawn.map_or_else(|| trace::source(view, soft), |drawn| t_buffer::view(view, drawn, soft));
+    let recall = if samples && !reaches && drawn.is_none() { views.recall } else { Recall::Nothing };
+    let source = |view| match drawn {
+        Some(drawn) => t_buffer::view(view, drawn, soft),
+        None if recall == Recall::Read => history::source(view, soft, search),
+        None => trace::source(view, soft),
+    };
+    let before = traced.clone().filter(|_| recall == Recall::Read).flat_map(history::bound).collect();
+    let kept = traced.clone().filter(|_| recall != Recall::Nothing).map(Step::Remember).collect();
     let traced = traced.flat_map(|view| [source(view), behind(view)].concat()).collect();
     let mut stages = vec![Stage::Steps(traced)];
     for (view, source) in targets(sources) {
@@ -90,14 +100,19 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
     let shared = |view| paths.map_or(Vec::new(), |paths| paths::shared(view, paths));
     stages.extend(own.into_iter().map(|view| Stage::Steps(followed(view))));
     stages.extend(sharing.into_iter().map(|view| Stage::Steps(shared(view))));
-    let traced = if drawn.is_some() { Made::Drawn } else { Made::Traced };
+    stages.push(Stage::Steps(kept));
+    let traced = match (drawn, recall) {
+        (Some(_), _) => Made::Drawn,
+        (None, Recall::Read) => Made::Recalled,
+        (None, _) => Made::Traced,
+    };
     let made = all.clone().map(|view| if sources[view] == view { traced } else { made }).collect();
     let in_steps = all.map(|view| InSteps {
         trace: trace::in_steps(view, sources[view]),
         after: [trace::after_steps(view, soft), behind(view), followed(view)].concat(),
     });
     let in_steps = in_steps.collect();
-    Plan { stages: joined(stages), bits, samples, search, reaches, made, sources: sources.to_vec(), in_steps }
+    Plan { before, stages: joined(stages), bits, samples, search, reaches, made, sources: sources.to_vec(), in_steps }
 }
 
 fn promise(method: Method, drawn: bool) -> Promise {

@@ -181,7 +181,7 @@ impl<'a> Levels<'a> {
     fn options_of(&self, level: u32, method: Method) -> Options {
         let is_last = level + 1 == self.adaptive.levels;
         let g_buffer = if is_last { GBuffer::None } else { GBuffer::Depth };
-        Options { method, adaptive: None, linear: true, g_buffer, ..self.options.clone() }
+        Options { method, adaptive: None, history: None, linear: true, g_buffer, ..self.options.clone() }
     }
 
     /// Returns, for each view, a mask of the samples that a level traces.

@@ -6,6 +6,7 @@ use crate::{
     Error, GBuffer, Gpu, Options, Renderer, Rig, UploadedScene,
     frame::{
         driver::{Driver, Setting},
+        history::Recall,
         plan::Plan,
         show::{SHOW_COLOR, SHOW_DEPTH},
         targets::Targets,
@@ -84,7 +85,7 @@ impl Renderer {
         let eyes = rig.eyes(scene.origin)?;
         let tables = scene.shadow_tables(&self.kernels, options).await?.map(|(tables, _)| tables);
         let drawn = self.drawn(scene, options);
-        let (.., plan) = self.planned(scene, &eyes, options, drawn);
+        let (.., plan) = self.planned(scene, &eyes, options, drawn, Recall::Nothing);
         check(&self.gpu, options, &plan, &eyes)?;
         let variant = self.variant(scene, &eyes, options, &plan);
         let mut used = plan.uses(&self.kernels, &variant);
@@ -96,7 +97,7 @@ impl Renderer {
         let shared = scene.resources_for(&gpu, &used, tables.as_deref()).await?;
         let model = scene.cost_model(&gpu, options);
         let uniforms = self.uniforms(scene, &eyes, options, (&model, &targets.shape));
-        let setting = Setting { eyes: &eyes, variant, targets: &targets, uniforms, shared };
+        let setting = Setting { eyes: &eyes, variant, targets: &targets, uniforms, shared, history: None };
         let mut driver = Driver::new(self.engine(false), setting, &mut go_on);
         let depth = options.g_buffer != GBuffer::None;
         let encode = || {

@@ -9,6 +9,7 @@ use crate::{
     frame::{
         Band, Bands,
         driver::{Driver, Engine, Setting},
+        history::{History, Recall},
         lanes::Steps,
         plan::{Made, Plan, Search},
         read::{Counts, Ids, ReadBack},
@@ -112,7 +113,11 @@ impl Renderer {
         let tables = scene.shadow_tables(&self.kernels, options).await?;
         let masked = wanted.masks().is_some();
         let drawn = if masked { None } else { self.drawn(scene, options) };
-        let (method, early, plan) = self.planned(scene, eyes, options, drawn);
+        let recall = self.recall(scene, eyes, options, &wanted);
+        let (method, early, plan) = self.planned(scene, eyes, options, drawn, recall);
+        if plan.remembers() {
+            self.room_for_history(scene, eyes.pose.size).await?;
+        }
         let variant = Variant { masked, ..self.variant(scene, eyes, options, &plan) };
         let mut used = plan.uses(&self.kernels, &variant);
         used.places.extend(wanted.pictures.then_some((Resource::Packed, 0)));
@@ -131,7 +136,8 @@ impl Renderer {
         let shared = scene.resources_for(&self.gpu, &used, tables.as_deref()).await?;
         let model = scene.cost_model(&self.gpu, options);
         let uniforms = self.uniforms(scene, eyes, options, (&model, &targets.shape));
-        let setting = Setting { eyes, variant, targets: &targets, uniforms, shared };
+        let history = self.cache.history.as_ref().filter(|_| plan.remembers()).map(History::remembered);
+        let setting = Setting { eyes, variant, targets: &targets, uniforms, shared, history };
         let mut frame = Frame {
             ids: Ids { of_slots: &scene.ids, objects: &scene.objects },
             eyes,
@@ -151,8 +157,11 @@ impl Renderer {
         };
         frame.run().await?;
         let done = Done { shadow_buffer: shadow_buffer.unwrap_or_default(), ..frame.done(method, early) };
-        let stagings = frame.stagings;
+        let (stagings, plan) = (frame.stagings, frame.plan);
         self.cache.staging.extend(stagings);
+        if let Some(history) = self.cache.history.as_mut().filter(|_| plan.remembers() && !done.in_steps) {
+            history.turn(&self.gpu, &eyes.uniform(eyes.sources[0])).await?;
+        }
         Ok(done)
     }
 
@@ -215,6 +224,31 @@ impl Renderer {
         Uniforms::new((0..eyes.sources.len()).map(view).collect(), parts_of(scene, options).collect())
     }
 
+    /// Returns how a frame may use the history. Frames of several traced views, of parts of a picture, and those whose
+    /// samples exceed [`Options::history`] have no history.
+    fn recall(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, wanted: &Wanted<'_>) -> Recall {
+        let size = eyes.pose.size;
+        let is_whole = wanted.masks().is_none() && wanted.rows(size).len() as u32 == size[1];
+        let traced = eyes.sources.iter().enumerate().filter(|(view, source)| view == *source).count();
+        let most = u64::from(options.history.unwrap_or(0)) << 20;
+        let fits = History::bytes(&self.gpu, size).is_some_and(|bytes| bytes <= most);
+        match &self.cache.history {
+            _ if !is_whole || traced > 1 || !fits => Recall::Nothing,
+            Some(history) if history.is_of(scene.id(), size) && history.is_filled => Recall::Read,
+            _ => Recall::Keep,
+        }
+    }
+
+    /// Makes room for a frame's samples.
+    async fn room_for_history(&mut self, scene: &UploadedScene, size: [u32; 2]) -> Result<(), Error> {
+        if self.cache.history.as_ref().is_some_and(|history| history.is_of(scene.id(), size)) {
+            return Ok(());
+        }
+        self.cache.history = None; // its memory is freed first
+        self.cache.history = Some(History::new(&self.gpu, scene.id(), size).await?);
+        Ok(())
+    }
+
     /// Returns a frame's method, the early choice of `Auto` if it can be made before the first step, and the plan.
     pub(super) fn planned(
         &self,
@@ -222,6 +256,7 @@ impl Renderer {
         eyes: &Eyes,
         options: &Options,
         drawn: Option<Drawn>,
+        recall: Recall,
     ) -> (Method, Option<Choice>, Plan) {
         let method = if self.steps.always { Method::Naive } else { self.effective(options, eyes, scene) };
         let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose, options) } else { None };
@@ -236,6 +271,7 @@ impl Renderer {
             soft,
             search: Search::of(self.searches_together, options.samples),
             drawn,
+            recall,
         };
         let plan = methods::plan(chosen, &views);
         (method, early, plan)

@@ -196,7 +196,7 @@ impl Sums {
 
 impl Common {
     fn of(scene: &UploadedScene, rig: &Rig, options: &Options) -> Self {
-        let mut options = Options { exposure: 0.0, tone: Tone::Clamp, linear: false, ..options.clone() };
+        let mut options = Options { exposure: 0.0, tone: Tone::Clamp, linear: false, history: None, ..options.clone() };
         if let Lighting::Paths { samples, .. } = &mut options.lighting {
             *samples = 1;
         }

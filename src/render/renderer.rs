@@ -75,6 +75,11 @@ impl Renderer {
         }
     }
 
+    /// Forgets the samples of earlier frames ([`Options::history`]). The next frame depends on no other.
+    pub fn forget(&mut self) {
+        self.cache.history = None;
+    }
+
     /// Returns the device.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu

@@ -73,7 +73,8 @@ impl Renderer {
         };
         // Linear colour is not needed here, but it makes this frame use the same kernels as the other frames do without
         // paths. Depths and ids do not depend on light.
-        let options = Options { linear: true, samples: 1, lighting: Lighting::Direct, ..options.clone() };
+        let options =
+            Options { linear: true, samples: 1, lighting: Lighting::Direct, history: None, ..options.clone() };
         let done = self.frame(scene, eyes, &options, Wanted::all(pictures), progress, &mut keep).await?;
         Ok((done, centres))
     }

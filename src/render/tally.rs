@@ -36,13 +36,15 @@ impl Tally {
             Made::Marked { checked } => {
                 (counts.bad + counts.missed, if checked { landed } else { 0 }, landed - counts.bad)
             }
+            Made::Recalled => (counts.bad + counts.missed, 0, 0),
             Made::Bracketed => (counts.bad + counts.missed, 0, landed - counts.bad),
         };
         let rays = Rays { primary, verification, shadow: counts.shadow_rays, secondary: counts.sent_rays };
         self.work += Work { rays, nodes: counts.nodes, primitive_tests: counts.primitive_tests };
         self.reused += reused;
-        self.bad += counts.bad;
-        self.missed += if made == Made::Drawn { 0 } else { counts.missed };
+        let is_target = !matches!(made, Made::Drawn | Made::Recalled);
+        self.bad += if is_target { counts.bad } else { 0 };
+        self.missed += if is_target { counts.missed } else { 0 };
         self.lost_candidates += counts.lost_candidates;
         self.own_shadow_rays += counts.own_shadow_rays;
         self.gaps += counts.gaps;

@@ -4,11 +4,12 @@ use std::{num::NonZeroU32, ops::ControlFlow};
 use glam::{DVec3, Vec3};
 
 use crate::{
-    BufferDepth, Check, Error, GBuffer, Gpu, Lighting, Method, Options, Renderer, Rows, Scene, Statistics,
-    StereoCamera, StereoPair, Traversal, UploadedScene,
+    BufferDepth, Check, Error, GBuffer, Gpu, Lighting, Method, Options, Progress, Renderer, Rows, Scene, Statistics,
+    StereoCamera, StereoPair, Traversal, UploadedScene, Visibility,
     frame::{
         Bands,
         driver::{Driver, Setting},
+        history::Recall,
         plan::{Search, Stage},
         targets::Shape,
         wanted::{Mask, Part, Wanted},
@@ -151,6 +152,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
             soft: None,
             search: Search::Alone,
             drawn: None,
+            recall: Recall::Nothing,
         };
         let mut plan = methods::plan(method, &views);
         let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
@@ -176,7 +178,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
         let model = scene.cost_model(&renderer.gpu, options);
         let shared = scene.resources_for(&renderer.gpu, &used, None).await?;
         let uniforms = renderer.uniforms(&scene, eyes, options, (&model, &targets.shape));
-        let setting = Setting { eyes, variant, targets: &targets, uniforms, shared };
+        let setting = Setting { eyes, variant, targets: &targets, uniforms, shared, history: None };
         let mut driver = Driver::new(renderer.engine(true), setting, &mut go_on);
         driver.begin(&plan).await?;
         let commands = driver.band(&plan, &bands.get(0)).await?;
@@ -303,6 +305,35 @@ fn renderer_and_scene_may_cross_threads() {
     check::<UploadedScene>();
     check::<Gpu>();
     check::<Error>();
+}
+
+/// A history is of the whole picture, whatever the bands are. Its copies per band are seen in the number of rays only.
+#[test]
+fn a_history_bounds_the_tiles_of_every_band() {
+    let builtin = crate::scene::builtin::Builtin::Hall;
+    let (camera, options) = (builtin.camera(130, 271), Options::new(Method::BRACKET_RAYS).history(4));
+    let primary = [USUAL, 130 * 64].map(|band_pixels| {
+        let mut renderer = renderer(band_pixels);
+        let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
+        let mut stop = |progress: Progress| match progress.done > 0.3 {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let mut frame = |options: &Options| renderer.pair(&uploaded, &camera).options(options).trace().wait().unwrap();
+        let first = frame(&options).left.rays.primary;
+        let repeated = frame(&options).left.rays.primary;
+        frame(&options.clone().visibility(Visibility::TBuffer));
+        let of_adaptive = frame(&options.clone().adaptive(crate::Adaptive::new(2, 8.0))).left.rays.primary;
+        assert!(of_adaptive > first / 2, "adaptive frames have no history");
+        let stopped = renderer.pair(&uploaded, &camera).options(&options).progress(&mut stop).trace().wait();
+        assert!(matches!(stopped, Err(Error::Cancelled)) || band_pixels == USUAL);
+        let after = renderer.pair(&uploaded, &camera).options(&options).trace().wait().unwrap().left.rays.primary;
+        assert_eq!(after, repeated, "a stopped frame leaves the history of the frame before");
+        [first, repeated]
+    });
+    assert_eq!(primary[0], primary[1]);
+    assert_eq!(primary[0][0], 130 * 271);
+    assert!(primary[0][1] < 130 * 271 / 20, "{primary:?}");
 }
 
 /// Renders a frame with masks: half of the left view's pixels and all of the right view's pixels.

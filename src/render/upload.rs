@@ -18,7 +18,7 @@ use crate::{
     accel::geometry::GeometryTexels,
     accel::large::LargePrimitives,
     accel::table::{Pictures, ShadingTable},
-    frame::{executor::Resources, targets::Used},
+    frame::{executor::Resources, history::SceneId, targets::Used},
     gpu::{Gpu, Texel, Texels},
     kernel::layout,
     kernel::traversal::{Fetch, Traversal},
@@ -66,6 +66,8 @@ pub struct UploadedScene {
     info: UploadInfo,
     /// Whether an update began to overwrite the texels and did not end.
     half_written: AtomicBool,
+    /// Number of the scene, which no other scene or state has.
+    number: u64,
     /// Number of the scene's current state, which no other scene or state has.
     pub(super) state: u64,
 }
@@ -110,6 +112,11 @@ pub struct UploadInfo {
 }
 
 impl UploadedScene {
+    /// Returns the scene that a history of its frames belongs to.
+    pub(super) fn id(&self) -> SceneId {
+        (self.number, self.origin)
+    }
+
     /// Returns the statistics of the upload.
     pub fn info(&self) -> UploadInfo {
         self.info
@@ -368,6 +375,7 @@ impl Renderer {
             large: LargePrimitives::of(scene),
             shape,
             half_written: AtomicBool::new(false),
+            number: before.map_or_else(new_state, |before| before.number),
             state: new_state(),
             gpu: gpu.clone(),
             info: UploadInfo {

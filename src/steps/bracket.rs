@@ -53,13 +53,23 @@ fn kernel_of(search: Search) -> &'static Kernel {
     }
 }
 
-fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
-    let mut steps = vec![
+/// Returns the steps that find primary visibility within the bounds of tiles, by their search and by rays.
+pub(crate) fn hits(view: usize, search: Search) -> Vec<Step> {
+    let steps = vec![Step::EmptyLists, step(kernel_of(search), view, search.launch())];
+    [steps, hits_of_listed(view)].concat()
+}
+
+fn hits_of_listed(view: usize) -> Vec<Step> {
+    vec![
         step(&RESOLVE_TILES, view, Launch::Listed(Lists, TO_RESOLVE)),
         step(&SHADE_SKY, view, Launch::Listed(Lists, SKY)),
         step(&TRACE_BOUNDED, view, Launch::Listed(Lists, TO_TRACE)),
-        step(&SHADE_TILES, view, Launch::Listed(Lists, TO_RESOLVE)),
-    ];
+    ]
+}
+
+fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
+    let mut steps = hits_of_listed(view);
+    steps.push(step(&SHADE_TILES, view, Launch::Listed(Lists, TO_RESOLVE)));
     steps.extend(soft::unknown(view, TO_LIGHT, soft));
     steps.push(step(&SHADE_LISTED, view, Launch::Listed(Lists, TO_LIGHT)));
     steps

@@ -2,6 +2,7 @@
 
 pub(crate) mod bracket;
 pub(crate) mod edges;
+pub(crate) mod history;
 pub(crate) mod mirrors;
 pub(crate) mod paths;
 pub(crate) mod reproject;

@@ -27,6 +27,7 @@ mod gltf;
 mod golden;
 mod ground_truth;
 mod grounds;
+mod history;
 mod huge_scenes;
 mod jitter;
 mod lighting;

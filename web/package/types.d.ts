@@ -84,6 +84,8 @@ export interface RenderOptions {
     visibility?: "rays" | "t-buffer";
     /** Shadow buffers in place of shadow rays to point lights: rows of a table, and a rule. */
     shadowBuffer?: { rows: number; rule: "object" | "depth" | "hybrid" } | null;
+    /** Memory for samples of earlier frames in MiB, by which the next frame finds the same first hits. */
+    history?: number | null;
     /** Exposure in stops, -64 to 64. */
     exposure?: number;
     /** Tone mapping: clamp values above 1, or map all values by a filmic curve. Default `"clamp"`. */

@@ -126,7 +126,9 @@ fn host_and_wgsl_structs_have_the_same_layout() {
 #[test]
 fn counters_and_marks_have_the_same_numbers_in_both_languages() {
     let shared: String = SHARED.iter().map(|part| part.text).collect();
-    let types = shared + include_str!("../../../shaders/bracket/choose.wgsl");
+    let types = shared
+        + include_str!("../../../shaders/bracket/choose.wgsl")
+        + include_str!("../../../shaders/history/bound_by_history.wgsl");
     let numbers = [
         ("WORKGROUP", layout::WORKGROUP),
         ("LIST_WORKGROUP", layout::LIST_WORKGROUP),
@@ -152,6 +154,8 @@ fn counters_and_marks_have_the_same_numbers_in_both_languages() {
         ("TILE", layout::TILE),
         ("WIDE_TILE", layout::WIDE_TILE),
         ("BUSY_RUN", layout::BUSY_RUN),
+        ("QUAD", layout::QUAD),
+        ("QUAD_RUN", layout::QUAD_RUN),
         ("TILE_PIXELS", layout::TILE_PIXELS),
         ("BOUND_WORDS", layout::BOUND_WORDS),
         ("TILE_WORDS", layout::TILE_WORDS),

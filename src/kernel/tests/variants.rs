@@ -21,6 +21,7 @@ use crate::{
             SHADE_LISTED, SHADE_SKY, SHADE_TILES, TRACE_BOUNDED,
         },
         edges::MARK_EDGES,
+        history::BOUND_BY_HISTORY,
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
         paths::{ADD_BROUGHT, BEGIN_LISTED_PATHS, BEGIN_PATHS, SHARE_BROUGHT, TRACE_PATHS},
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
@@ -32,7 +33,7 @@ use crate::{
     view::rig::Projection,
 };
 
-pub(super) const ALL: [&Kernel; 62] = [
+pub(super) const ALL: [&Kernel; 63] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &BEGIN_PATHS,
@@ -47,6 +48,7 @@ pub(super) const ALL: [&Kernel; 62] = [
     &ANY_HITS_IN_STEPS,
     &SHADE_SKY,
     &SHADE_TILES,
+    &BOUND_BY_HISTORY,
     &BOUND_TILES,
     &MARK_BUSY,
     &CHOOSE,

@@ -1,0 +1,232 @@
+//! Measures films, frame by frame: `cargo bench --bench frames` prints a table, and writes target/bench/frames.
+//!
+//! Each film moves the camera on a path. Naive, bracket, and both forms of bracket with a history take turns at every
+//! frame. Figures are those of all frames but the first. `speed` is naive's time over the method's. Costs by counters
+//! are relative to naive's left view. Options are `--size`, `--frames` and `--e`, the parallax at infinity in pixels of
+//! a picture 600 pixels wide; names select scenes: built-in ones, or folders of OBJ files.
+
+#[path = "common/mod.rs"]
+mod common;
+
+use std::{error::Error, fs, process::ExitCode};
+
+use clap::Parser;
+use serde_json::json;
+use stereotrace::{
+    Gpu, Method, Options, Renderer, ShadowReuse, StereoCamera, StereoPair, UploadedScene,
+    blocking::Wait,
+    glam::{DQuat, DVec3},
+    metrics::compare,
+    output::Batch,
+};
+
+use crate::common::{
+    options::size,
+    provenance::Provenance,
+    records::{self, Record},
+    rounds::{Spread, order},
+    scenes::{self, BenchScene},
+};
+
+/// Memory of a history in MiB, enough for any picture here.
+const HISTORY: u32 = 4096;
+
+/// Measures films, frame by frame.
+#[derive(Parser, Debug)]
+#[command(name = "cargo bench --bench frames --")]
+struct Arguments {
+    /// Smoke run with meaningless figures
+    #[arg(long)]
+    smoke: bool,
+    /// Picture size in pixels [default: 600x600]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Number of frames after the first [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// Parallax at infinity in pixels of a picture 600 pixels wide
+    #[arg(long, value_name = "PX", default_value_t = 15.0)]
+    e: f32,
+    /// Scenes [default: spheres, hall, sponza, dragon]
+    scenes: Vec<String>,
+    /// Passed by cargo when it benchmarks; without it this is a smoke run
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// The path of a camera.
+#[derive(Clone, Copy)]
+enum Path {
+    /// Half a degree around the target a frame.
+    Orbit,
+    /// Forward, by a fiftieth of the first distance to the target.
+    Walk,
+    /// Two degrees to the side.
+    Turn,
+    /// The field of view narrows by 2%.
+    Zoom,
+    /// Every fourth frame is a cut to another side, 40 degrees around the target.
+    Cut,
+}
+
+impl Path {
+    const ALL: [(&'static str, Self); 5] =
+        [("orbit", Self::Orbit), ("walk", Self::Walk), ("turn", Self::Turn), ("zoom", Self::Zoom), ("cut", Self::Cut)];
+
+    /// Returns the camera of a frame.
+    fn at(self, camera: StereoCamera, frame: u32) -> Result<StereoCamera, stereotrace::Error> {
+        let pose = camera.pose()?;
+        let (eye, target, up) = (pose.eye, camera.target_position(), camera.up_direction().as_dvec3());
+        let turned = |vector: DVec3, degrees: f64| DQuat::from_axis_angle(up, degrees.to_radians()) * vector;
+        let frame = f64::from(frame);
+        Ok(match self {
+            Self::Orbit => camera.eye(target + turned(eye - target, 0.5 * frame)),
+            Self::Cut => camera.eye(target + turned(eye - target, 0.5 * frame + 40.0 * (frame / 4.0).floor())),
+            Self::Walk => {
+                let step = (target - eye) * (0.02 * frame);
+                camera.eye(eye + step).target(target + step)
+            }
+            Self::Turn => camera.target(eye + turned(target - eye, 2.0 * frame)),
+            Self::Zoom => {
+                let half = f64::from(0.5 * pose.screen_size[1] / pose.screen_distance) * 0.98_f64.powf(frame);
+                camera.vertical_fov_degrees(2.0 * half.atan().to_degrees() as f32)
+            }
+        })
+    }
+}
+
+/// A method, with or without a history. Naive is the first.
+fn methods() -> [(&'static str, Options); 4] {
+    let by = Options::new;
+    [
+        ("naive", by(Method::Naive)),
+        ("bracket", by(Method::BRACKET)),
+        ("bracket, history", by(Method::BRACKET).history(HISTORY)),
+        ("bracket-rays, history", by(Method::Bracket(ShadowReuse::Rays)).history(HISTORY)),
+    ]
+}
+
+/// Figures of a method over the frames of a film.
+#[derive(Default)]
+struct Figures {
+    pair_ms: Vec<f64>,
+    left: f64,
+    right: f64,
+    identical: f64,
+    wrong_surface: f64,
+}
+
+fn main() -> ExitCode {
+    common::exit::status(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let quick = arguments.smoke || !arguments.bench;
+    let size = arguments.size.unwrap_or(if quick { [64; 2] } else { [600; 2] });
+    let frames = arguments.frames.unwrap_or(if quick { 2 } else { 8 });
+    let usual: &[&str] = if quick { &["hall"] } else { &["spheres", "hall", "sponza", "dragon"] };
+    let names: Vec<String> = match arguments.scenes.as_slice() {
+        [] => usual.iter().map(|&name| name.to_owned()).collect(),
+        named => named.to_vec(),
+    };
+    let gpu = Gpu::new().wait()?;
+    let provenance = Provenance::of(&gpu);
+    println!("{provenance}\n\n{}x{}, {frames} frames after the first\n", size[0], size[1]);
+    println!("| scene | path | method | pair ms | speed | left, by counters | right | identical % | wrong surface % |");
+    println!("|---|---|---|---|---|---|---|---|---|");
+    let mut renderer = Renderer::new(gpu);
+    let mut all = Vec::new();
+    for name in &names {
+        match scenes::load(name, size, arguments.e * size[0] as f32 / 600.0, None)? {
+            Some(scene) => all.extend(measure(&mut renderer, &scene, frames)?),
+            None => println!("{}\n", scenes::skipped(name)),
+        }
+    }
+    if all.is_empty() {
+        return Err("no scene was measured".into());
+    }
+    let folder = common::files::root().join("target").join(if quick { "bench-smoke" } else { "bench/frames" });
+    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut batch = Batch::new();
+    batch.add(folder.join("results.json"), records::json(&all).as_bytes())?;
+    println!("\nwrote {}", batch.commit()?[0].display());
+    Ok(())
+}
+
+/// Prints the rows of a scene, and returns its records.
+fn measure(renderer: &mut Renderer, bench: &BenchScene, frames: u32) -> Result<Vec<Record>, Box<dyn Error>> {
+    let BenchScene { name, scene, camera } = bench;
+    let uploaded = renderer.upload(scene).wait()?;
+    let mut records = Vec::new();
+    for (path_name, path) in Path::ALL {
+        let film = (0..=frames).map(|frame| path.at(*camera, frame)).collect::<Result<Vec<_>, _>>()?;
+        let figures = film_figures(renderer, &uploaded, &film)?;
+        let naive_ms = Spread::of(figures[0].pair_ms.iter().copied()).median;
+        for ((method, _), figures) in methods().into_iter().zip(figures) {
+            let Figures { pair_ms, left, right, identical, wrong_surface } = figures;
+            let ms = Spread::of(pair_ms.iter().copied()).median;
+            let speed = naive_ms / ms;
+            println!(
+                "| {} | {path_name} | {method} | {ms:.0} | {speed:.2} | {left:.3} | {right:.3} | {identical:.3} | \
+                 {wrong_surface:.3} |",
+                scenes::title(name),
+            );
+            records.push(vec![
+                ("scene", json!(name)),
+                ("path", json!(path_name)),
+                ("method", json!(method)),
+                ("width", json!(camera.pose()?.size[0])),
+                ("height", json!(camera.pose()?.size[1])),
+                ("pair_ms", json!(ms)),
+                ("pair_over_naive", json!(ms / naive_ms)),
+                ("m_left", json!(left)),
+                ("m_right", json!(right)),
+                ("identical", json!(identical)),
+                ("wrong_surface", json!(wrong_surface)),
+            ]);
+        }
+    }
+    Ok(records)
+}
+
+/// Renders a film twice by all methods: for times, and with counters for work and accuracy.
+fn film_figures(
+    renderer: &mut Renderer,
+    scene: &UploadedScene,
+    film: &[StereoCamera],
+) -> Result<Vec<Figures>, Box<dyn Error>> {
+    let methods = methods();
+    let mut all: Vec<Figures> = methods.iter().map(|_| Figures::default()).collect();
+    // A history is of one method's frames, so both forms of bracket with one have renderers of their own.
+    let mut renderers: Vec<Renderer> = methods.iter().map(|_| Renderer::new(renderer.gpu().clone())).collect();
+    for (frame, camera) in film.iter().enumerate() {
+        for index in order(frame, methods.len()) {
+            let statistics = renderers[index].pair(scene, camera).options(&methods[index].1).trace().wait()?;
+            let total = statistics.times.map_or(f64::NAN, |times| times.total().as_secs_f64());
+            all[index].pair_ms.extend((frame > 0).then_some(1e3 * total));
+        }
+    }
+    renderers.iter_mut().for_each(Renderer::forget);
+    let share = 1.0 / (film.len() - 1) as f64;
+    for (frame, camera) in film.iter().enumerate() {
+        let mut truth: Option<StereoPair> = None;
+        for (index, (_, options)) in methods.iter().enumerate() {
+            let options = options.clone().count(true);
+            let pair = renderers[index].pair(scene, camera).options(&options).read().wait()?;
+            let naive = truth.get_or_insert_with(|| pair.clone());
+            if frame == 0 {
+                continue;
+            }
+            let figures = &mut all[index];
+            let eye = naive.statistics.left.cost() as f64;
+            figures.left += share * pair.statistics.left.cost() as f64 / eye;
+            figures.right += share * pair.statistics.right.cost() as f64 / eye;
+            for (view, naive) in [(&pair.left, &naive.left), (&pair.right, &naive.right)] {
+                let difference = compare(view, naive, &pair.pose)?;
+                figures.identical += 0.5 * share * difference.identical_percent;
+                figures.wrong_surface += 0.5 * share * difference.wrong_surface_percent;
+            }
+        }
+    }
+    Ok(all)
+}

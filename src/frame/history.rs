@@ -1,0 +1,129 @@
+//! What a renderer keeps of an earlier frame for the next one: the samples of its traced view, and their eye.
+
+use glam::DVec3;
+
+use super::executor::{Held, Resources};
+use crate::{
+    Error,
+    gpu::{Gpu, Texel},
+    kernel::{Resource, layout},
+};
+
+/// Texels of an eye at the begin of the samples' last row (`EarlierEye` of `bound_by_history.wgsl`).
+const EYE_TEXELS: u32 = 4;
+
+/// The scene that a history belongs to: its number, and its origin in world coordinates.
+pub(crate) type SceneId = (u64, DVec3);
+
+/// The samples of an earlier frame, and room for those of the current one.
+#[derive(Debug)]
+pub(crate) struct History {
+    scene: SceneId,
+    size: [u32; 2],
+    /// Samples of the earlier frame and of the current one, each with a further row for their eye.
+    samples: [wgpu::TextureView; 2],
+    /// Bound and busy lights of each tile of the current view.
+    bounds: wgpu::Buffer,
+    /// Whether the samples of an earlier frame are there.
+    pub(crate) is_filled: bool,
+}
+
+/// The parts of a history that a frame reads and writes.
+#[derive(Clone, Debug)]
+pub(crate) struct Remembered {
+    earlier: wgpu::TextureView,
+    pub(crate) current: wgpu::TextureView,
+    pub(crate) bounds: wgpu::Buffer,
+}
+
+/// How a frame uses a history.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Recall {
+    /// Not at all.
+    Nothing,
+    /// It keeps the samples of its traced view.
+    Keep,
+    /// It also reads those of an earlier frame.
+    Read,
+}
+
+impl History {
+    /// Returns the memory of a history in bytes, or `None` for a size that has none.
+    pub(crate) fn bytes(gpu: &Gpu, [width, height]: [u32; 2]) -> Option<u64> {
+        let most = gpu.limits.max_texture_dimension_2d;
+        let fits = width >= EYE_TEXELS && width <= most && height < most;
+        let samples = 2 * size_of::<Texel>() as u64 * u64::from(width) * (u64::from(height) + 1);
+        fits.then(|| samples + bounds_bytes([width, height]))
+    }
+
+    /// Creates a history without any samples.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    pub(crate) async fn new(gpu: &Gpu, scene: SceneId, size: [u32; 2]) -> Result<Self, Error> {
+        let texels = size[0] as usize * (size[1] as usize + 1);
+        let make = || {
+            let samples = [(); 2].map(|()| gpu.rows_of_texels("history", size[0], texels));
+            Ok((samples, gpu.storage_buffer("history_bounds", bounds_bytes(size))))
+        };
+        let (samples, bounds) = gpu.checked(make).await?;
+        let new = Self { scene, size, samples, bounds, is_filled: false };
+        // The textures are filled for the reason of `samples_texture`.
+        for view in &new.samples {
+            gpu.fill_rows(view.texture(), 0, std::iter::repeat_n([0; 4], texels)).await?;
+        }
+        new.written(gpu).await?;
+        Ok(new)
+    }
+
+    pub(crate) fn is_of(&self, scene: SceneId, size: [u32; 2]) -> bool {
+        (self.scene, self.size) == (scene, size)
+    }
+
+    pub(crate) fn remembered(&self) -> Remembered {
+        let [earlier, current] = self.samples.clone();
+        Remembered { earlier, current, bounds: self.bounds.clone() }
+    }
+
+    /// Makes the current frame's samples those of the earlier frame. `eye` is the eye of the traced view.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    pub(crate) async fn turn(&mut self, gpu: &Gpu, eye: &layout::Eyes) -> Result<(), Error> {
+        let texel = |[x, y, z]: [f32; 3]| [x, y, z, 0.0].map(f32::to_bits);
+        let texels = [eye.target_eye, eye.target_corner, eye.step_x, eye.step_y].map(texel);
+        self.samples.swap(0, 1);
+        self.is_filled = false;
+        let begin = self.size[0] as usize * self.size[1] as usize;
+        gpu.fill_rows(self.samples[0].texture(), begin, texels.into_iter()).await?;
+        self.written(gpu).await?;
+        self.is_filled = true;
+        Ok(())
+    }
+
+    /// Passes on what is written so far. A texture may not be destroyed before that.
+    async fn written(&self, gpu: &Gpu) -> Result<(), Error> {
+        gpu.checked(|| Ok(gpu.submit([]))).await.map(drop)
+    }
+}
+
+/// A browser frees textures only at garbage collection, unless they are destroyed.
+impl Drop for History {
+    fn drop(&mut self) {
+        self.samples.iter().for_each(|view| view.texture().destroy());
+        self.bounds.destroy();
+    }
+}
+
+impl Remembered {
+    pub(crate) fn add_resources(&self, all: &mut Resources) {
+        all.set(Resource::History, Held::from(&self.earlier));
+        all.set(Resource::HistoryBounds, Held::from(&self.bounds));
+    }
+}
+
+/// Returns the size of the bounds of all tiles in bytes.
+fn bounds_bytes(size: [u32; 2]) -> u64 {
+    let [columns, rows] = size.map(|side| u64::from(side.div_ceil(layout::TILE)));
+    columns * rows * 4 * u64::from(layout::BOUND_WORDS)
+}

@@ -1,0 +1,203 @@
+//! Tests frames that find their hits by the samples of earlier frames: they show what frames without a history show.
+
+use stereotrace::{
+    Builtin, Light, Lighting, Material, Mesh, Method, Options, Renderer, Scene, StereoCamera, StereoPair, Update,
+    UploadedScene,
+    blocking::Wait,
+    glam::{Affine3A, DQuat, Vec3},
+    testing::suite::Trial,
+};
+
+use crate::common::{ball, is_exact, is_long, random::Random, renderer};
+
+/// Memory of a history in MiB, more than these pictures need.
+const ROOM: u32 = 64;
+
+/// Returns a camera that is turned to the left, in degrees, and moved along its right, upwards and view direction.
+fn moved(camera: StereoCamera, degrees: f64, [right, up, ahead]: [f64; 3]) -> StereoCamera {
+    let pose = camera.pose().unwrap();
+    let [x, y, z] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
+    let step = x * right + y * up + z * ahead;
+    let to_target = camera.target_position() - pose.eye;
+    let turned = DQuat::from_axis_angle(camera.up_direction().as_dvec3(), degrees.to_radians()) * to_target;
+    camera.eye(pose.eye + step).target(pose.eye + step + turned)
+}
+
+/// Returns small steps, a fast turn, a zoom, a cut to the other side and the way back, for a camera at this distance
+/// from its target.
+fn film(camera: StereoCamera) -> Vec<StereoCamera> {
+    let far = camera.target_position().distance(camera.pose().unwrap().eye);
+    let mut all = vec![camera];
+    for (degrees, step) in [
+        (0.5, [0.01, 0.0, 0.0]),
+        (0.5, [0.01, 0.005, 0.0]),
+        (0.0, [0.0, 0.0, 0.02]),
+        (0.0, [0.0; 3]),
+        (-25.0, [0.0; 3]),
+    ] {
+        let last = *all.last().unwrap();
+        all.push(moved(last, degrees, step.map(|along| along * far)));
+    }
+    all.push(all[4].vertical_fov_degrees(20.0));
+    all.push(moved(camera, 180.0, [0.0, 0.0, 2.0 * far]));
+    all.push(camera);
+    all
+}
+
+/// Compares both eyes of two pairs, exactly or, on adapters that contract operations, but for few pixels.
+fn assert_same(what: &str, found: &StereoPair, expected: &StereoPair, exact: bool) {
+    for (eye, found, expected) in [("left", &found.left, &expected.left), ("right", &found.right, &expected.right)] {
+        let differing = (0..expected.rgba8.len())
+            .filter(|&at| {
+                let all = |view: &stereotrace::View| (view.rgba8[at], view.primitive[at], view.depth[at].to_bits());
+                all(found) != all(expected)
+            })
+            .count();
+        let most = if exact { 0 } else { expected.rgba8.len() / 500 };
+        assert!(differing <= most, "{what}, {eye} view: {differing} pixels differ");
+    }
+}
+
+/// Renders a film with a history, and compares each frame with `naive`. Returns the primary rays of both views.
+fn compare(
+    (renderer, scene): (&mut Renderer, &UploadedScene),
+    what: &str,
+    film: &[StereoCamera],
+    options: &Options,
+) -> Vec<[u64; 2]> {
+    let exact = is_exact(renderer);
+    let frames = film.iter().enumerate().map(|(frame, camera)| {
+        let naive = options.clone().method(Method::Naive);
+        let expected = renderer.pair(scene, camera).options(&naive).read().wait().unwrap();
+        let found = renderer.pair(scene, camera).options(&options.clone().history(ROOM)).read().wait().unwrap();
+        assert_same(&format!("{what}, frame {frame}"), &found, &expected, exact);
+        let rays = [found.statistics.left.rays.primary, found.statistics.right.rays.primary];
+        println!("{what}, frame {frame}: {rays:?} primary rays");
+        rays
+    });
+    let rays = frames.collect();
+    renderer.forget();
+    rays
+}
+
+#[test]
+fn films_show_what_naive_shows_with_few_rays() {
+    let mut renderer = renderer();
+    let film = film(Builtin::Hall.camera(160, 120));
+    let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
+    let options = Options::new(Method::BRACKET_RAYS);
+    let rays = compare((&mut renderer, &uploaded), "hall", &film, &options);
+    assert_eq!(rays[0][0], 160 * 120, "the first frame has no history");
+    // Lists of this many small triangles overflow in either view; the right views trace 20% of their pixels.
+    for [left, right] in &rays[1..=4] {
+        assert!(left.abs_diff(*right) < 160 * 120 / 50, "small steps: {left} and {right} rays");
+    }
+    assert!(rays[6][0] < 160 * 120 / 2, "a zoom: {}", rays[6][0]);
+}
+
+#[test]
+fn lights_samples_and_paths_are_as_without_a_history() {
+    let mut renderer = renderer();
+    let mut scene = Scene::new();
+    let white = scene.add_material(Material::new(Vec3::splat(0.7)));
+    let mirror = scene.add_material(
+        Material::new(Vec3::ZERO).specular(Vec3::splat(0.9)).finish(stereotrace::Finish::Mirror { fresnel: false }),
+    );
+    for (at, material) in [(Vec3::new(-0.6, 0.0, 0.0), white), (Vec3::new(0.6, 0.0, 0.2), mirror)] {
+        scene.add_mesh(&ball(at, 0.5, 8).materials(vec![material])).unwrap();
+    }
+    let floor = [(-3.0, -3.0), (-3.0, 3.0), (3.0, 3.0), (3.0, -3.0)].map(|(x, z)| Vec3::new(x, -0.5, z)).to_vec();
+    scene.add_mesh(&Mesh::new(floor, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    scene.lights = vec![
+        Light::point(Vec3::new(1.0, 3.0, 2.0), Vec3::splat(0.5)),
+        Light::sphere(Vec3::new(-2.0, 3.0, 1.0), 0.3, Vec3::splat(0.4)),
+    ];
+    let camera = StereoCamera::look_at(Vec3::new(0.0, 0.7, 3.0), Vec3::ZERO).size(60, 44).interaxial_pixels(3.0);
+    let film = &film(camera)[..4];
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let plain = Options::new(Method::BRACKET_RAYS);
+    for (what, options) in [
+        ("soft light", plain.clone().shadow_rays(4)),
+        ("four samples", plain.clone().samples(4)),
+        ("sky light", plain.clone().sky_rays(4)),
+        ("paths", plain.lighting(Lighting::Paths { bounces: 2, samples: 2 }).penumbra(stereotrace::Penumbra::Exact)),
+    ] {
+        let rays = compare((&mut renderer, &uploaded), what, film, &options);
+        assert!(rays[1][0] < rays[0][0] / 4, "{what}: {rays:?}");
+    }
+}
+
+/// Whatever moves between frames, hits are found by each pixel's own ray.
+#[test]
+fn moving_objects_are_seen_where_they_are() {
+    let mut renderer = renderer();
+    let mut random = Random::new(7);
+    let mut number = |reach: f32| reach * (2.0 * random.unit() - 1.0);
+    let mut scene = Scene::new();
+    for _ in 0..20 {
+        let at = Vec3::new(number(1.5), number(1.0), number(1.5));
+        scene.add_mesh(&ball(at, 0.1 + number(0.05), 5)).unwrap();
+    }
+    let camera = StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO).size(90, 70).interaxial_pixels(5.0);
+    scene.place_lights(2, &camera).unwrap();
+    let mut uploaded = renderer.upload(&scene).wait().unwrap();
+    let exact = is_exact(&renderer);
+    let options = Options::new(Method::BRACKET_RAYS).history(ROOM);
+    for frame in 0..6 {
+        let found = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
+        let naive = Options::new(Method::Naive);
+        let expected = renderer.pair(&uploaded, &camera).options(&naive).read().wait().unwrap();
+        assert_same(&format!("frame {frame}"), &found, &expected, exact);
+        let rays = [&found, &expected].map(|pair| pair.statistics.left.rays.primary);
+        assert!(frame == 0 || rays[0] < rays[1], "{rays:?}");
+        for object in 0..20 {
+            let step = Vec3::new(number(0.8), number(0.5), number(0.8));
+            scene.transform_object(object, &Affine3A::from_translation(step)).unwrap();
+        }
+        renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
+    }
+}
+
+#[test]
+fn trials_show_what_naive_shows() {
+    let mut renderer = renderer();
+    for &trial in Trial::ALL.iter().step_by(if is_long() { 1 } else { 3 }) {
+        let camera = trial.camera(80, 60);
+        let uploaded = renderer.upload(&trial.scene()).wait().unwrap();
+        let options = Options::new(Method::BRACKET_RAYS);
+        let film = film(camera);
+        let film = if is_long() { &film } else { &film[..4] };
+        let rays = compare((&mut renderer, &uploaded), trial.name(), film, &options);
+        assert!(rays[1][0] < rays[0][0] / 10, "{trial}: {rays:?}");
+    }
+}
+
+#[test]
+fn a_history_is_of_one_scene_and_size_and_fits_its_memory() {
+    let mut renderer = renderer();
+    let camera = Builtin::Spheres.camera(96, 64);
+    let [first, second] = [Builtin::Spheres, Builtin::Hall].map(|builtin| {
+        let scene = builtin.scene();
+        renderer.upload(&scene).wait().unwrap()
+    });
+    let mut primary = |scene: &UploadedScene, camera: &StereoCamera, options: &Options| {
+        let pair = renderer.pair(scene, camera).options(options).read().wait().unwrap();
+        pair.statistics.left.rays.primary
+    };
+    let options = Options::new(Method::BRACKET).history(ROOM);
+    let all = |camera: &StereoCamera| u64::from(camera.pose().unwrap().size.iter().product::<u32>());
+    assert_eq!(primary(&first, &camera, &options), all(&camera));
+    assert!(primary(&first, &camera, &options) < all(&camera) / 2);
+    assert_eq!(primary(&second, &camera, &options), all(&camera), "of another scene");
+    assert_eq!(primary(&first, &camera, &options), all(&camera), "only the last scene's is kept");
+    let larger = camera.size(128, 64);
+    assert_eq!(primary(&first, &larger, &options), all(&larger), "of another size");
+    assert!(primary(&first, &larger, &options) < all(&larger) / 2);
+    // 600x600 samples take 11 MiB.
+    let large = camera.size(600, 600);
+    let small = Options::new(Method::BRACKET).history(8);
+    assert_eq!((0..2).map(|_| primary(&first, &large, &small)).collect::<Vec<_>>(), [all(&large); 2]);
+    let refused = Options::new(Method::BRACKET).history(0);
+    let error = renderer.pair(&first, &camera).options(&refused).read().wait().unwrap_err().to_string();
+    assert!(error.contains("history: 0"), "{error}");
+}
