@@ -71,8 +71,8 @@ fn bound_by_history(@builtin(global_invocation_id) id: vec3u) {
     let lower = min(upper + QUAD, size.y - 1u);
     let eye = earlier_eye(size.y);
     let begin = id.x * QUAD_RUN * QUAD;
-    var bounded: Bounded;
     if begin >= size.x { return; }
+    var bounded: Bounded;
     var a = landed_of(eye, vec2u(begin, upper));
     var b = landed_of(eye, vec2u(begin, lower));
     var quad = 0u;
@@ -103,14 +103,14 @@ fn tiles_of(a: Landed, b: Landed, c: Landed, d: Landed, size: vec2u) -> Bounded 
     let high = max(max(a.place, b.place), max(c.place, d.place)) + AROUND;
     let across = d.place - a.place;
     let back = c.place - b.place;
-    // Rows count downwards, so the diagonals of an unturned quad have a positive area here.
+    // Rows count downwards, so this product is negative for a quad that is not turned over.
     if across.x * back.y - across.y * back.x > 0.0 { return none; }
     let limit = vec2f(size);
     if !(all(high > vec2f(0.0)) && all(low < limit)) { return none; }
     let first = vec2u(max(low, vec2f(0.0))) / TILE;
     let last = vec2u(min(high, limit - 0.5)) / TILE;
     let count = (last - first) + 1u;
-    if count.x * count.y > MOST_TILES || any(count > vec2u(MOST_TILES)) { return none; }
+    if count.x * count.y > MOST_TILES { return none; }
     return Bounded(first, last, max(max(a.depth, b.depth), max(c.depth, d.depth)));
 }
 

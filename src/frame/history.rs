@@ -1,4 +1,4 @@
-//! What a renderer keeps of an earlier frame for the next one: the samples of its traced view, and their eye.
+//! Keeps the samples of a frame's traced view, and the position of its eye, for the next frame.
 
 use glam::DVec3;
 

@@ -41,8 +41,7 @@ pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {
 /// Returns the steps that find primary visibility, by tiles and rays, and shade the hits. Shadow rays determine unknown
 /// visibility bits.
 pub(crate) fn resolve(view: usize, soft: Option<usize>, search: Search) -> Vec<Step> {
-    let steps = vec![Step::EmptyLists, step(kernel_of(search), view, search.launch())];
-    [steps, resolve_listed(view, soft)].concat()
+    [hits(view, search), shade(view, soft)].concat()
 }
 
 fn kernel_of(search: Search) -> &'static Kernel {
@@ -67,9 +66,8 @@ fn hits_of_listed(view: usize) -> Vec<Step> {
     ]
 }
 
-fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
-    let mut steps = hits_of_listed(view);
-    steps.push(step(&SHADE_TILES, view, Launch::Listed(Lists, TO_RESOLVE)));
+fn shade(view: usize, soft: Option<usize>) -> Vec<Step> {
+    let mut steps = vec![step(&SHADE_TILES, view, Launch::Listed(Lists, TO_RESOLVE))];
     steps.extend(soft::unknown(view, TO_LIGHT, soft));
     steps.push(step(&SHADE_LISTED, view, Launch::Listed(Lists, TO_LIGHT)));
     steps
@@ -80,5 +78,6 @@ fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
 pub(crate) fn or_traced(view: usize, soft: Option<usize>, search: Search) -> Vec<Step> {
     let choose = vec![Step::EmptyLists, step(&CHOOSE, view, Launch::Once)];
     let search = vec![step(kernel_of(search), view, Launch::Listed(Lists, TO_SEARCH))];
-    [bound(view, ShadowReuse::Two), choose, search, resolve_listed(view, soft), trace::chosen(view, soft)].concat()
+    let resolve = [hits_of_listed(view), shade(view, soft)].concat();
+    [bound(view, ShadowReuse::Two), choose, search, resolve, trace::chosen(view, soft)].concat()
 }
