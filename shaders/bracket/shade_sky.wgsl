@@ -4,9 +4,10 @@
 // launch  one thread per block of 1x1 or 2x2 pixels of each listed tile, dispatched indirectly
 // reads   lists        SKY
 // writes  view         [height * width]
+// writes  kept_samples texture, for views that reuse an earlier frame's bits
 // adds    counters     [height * COUNTERS]
 
-//! use camera, counters, display, lane, linear, lists, pixels, sky
+//! use camera, counters, display, kept_samples, lane, light, linear, lists, pixels, sky
 
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
@@ -29,5 +30,6 @@ fn shade_sky(@builtin(global_invocation_id) id: vec3u) {
         ray += 1u;
         if ray >= RAYS { break; }
     }
+    keep_samples(block.pixels, block.wanted, Samples(color, F(FAR), U(MISS), U(0u), U(0u)));
     count_view(pixel_of_ray(block.pixels, 0u).y, 0u, 0u, 0u);
 }

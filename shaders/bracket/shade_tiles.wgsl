@@ -1,12 +1,13 @@
 // Pass 3 of 3 of `bracket`, fourth part: shades target pixels from the hits of resolve_tiles and trace_listed, with the
-// source's visibility bits. It lists the pixels for which some light's bit is unknown.
+// source's visibility bits, or with those of an earlier frame. It lists the pixels for which some light's bit is unknown.
 //
 // launch  one thread per block of 1x1 or 2x2 pixels of each listed tile, dispatched indirectly
 // updates view         [height * width]      color; ASKED is added to the marks
+// writes  kept_samples texture, for views that reuse an earlier frame's bits
 // adds    counters     [height * COUNTERS]
 // appends lists        TO_LIGHT; reads TO_RESOLVE
 
-//! use camera, counters, dice, lane, lists, marks, pixels, shade, surfaces, view, visibility
+//! use camera, counters, dice, kept_samples, lane, lists, marks, pixels, shade, surfaces, view, visibility
 
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
@@ -21,7 +22,9 @@ fn shade_tiles(@builtin(global_invocation_id) id: vec3u) {
     let surfaces = surfaces_at(rays, found);
     throw_dice(block.pixels, 0u);
     ask_source_in_tile(block.pixels, found, surfaces);
-    keep_colors(block.pixels, block.wanted, shade(rays, found, surfaces).color);
+    let shaded = shade(rays, found, surfaces);
+    keep_colors(block.pixels, block.wanted, shaded.color);
+    keep_samples(block.pixels, block.wanted, shaded);
     let to_light = block.wanted & put_off;
     var place = reserve(TO_LIGHT, count_rays(to_light));
     var ray = 0u;

@@ -6,9 +6,8 @@
 // reads   history         [height + 1, width]     samples; its last row holds the eye of the earlier frame
 // updates history_bounds  [tiles, BOUND_WORDS]    bits of the largest depth; cleared by the host
 
-//! use frame, pixels, tiles
+//! use history, pixels, tiles
 
-var history: texture_2d<u32>;
 var<storage, read_write> history_bounds: array<atomic<u32>>;
 
 // Distance between the samples of a quad, in pixels.
@@ -20,21 +19,6 @@ const MOST_TILES: u32 = 64u;
 // Around a quad, the distance in pixels at which it still counts.
 const AROUND: f32 = 0.5;
 
-// The eye of the earlier frame: its position, and directions to the picture's top left corner and from a pixel to its
-// right neighbour and to the one below.
-struct EarlierEye {
-    place: vec3f,
-    corner: vec3f,
-    step_x: vec3f,
-    step_y: vec3f,
-}
-
-// Where a sample lands in the view: column and row in pixels, and depth; 0 behind the eye.
-struct Landed {
-    place: vec2f,
-    depth: f32,
-}
-
 // Tiles, and the bound that they get.
 struct Bounded {
     first: vec2u,
@@ -42,34 +26,13 @@ struct Bounded {
     depth: f32,
 }
 
-fn earlier_eye(row: u32) -> EarlierEye {
-    return EarlierEye(eye_word(row, 0u), eye_word(row, 1u), eye_word(row, 2u), eye_word(row, 3u));
-}
-
-fn eye_word(row: u32, index: u32) -> vec3f { return bitcast<vec3f>(textureLoad(history, vec2u(index, row), 0).xyz); }
-
-fn landed_of(eye: EarlierEye, pixel: vec2u) -> Landed {
-    let depth = bitcast<f32>(textureLoad(history, pixel, 0).x);
-    let at = vec2f(pixel) + 0.5;
-    let direction = eye.corner + eye.step_x * at.x + eye.step_y * at.y;
-    // Where a ray missed, its direction counts.
-    let is_sky = depth >= FAR;
-    let there = select(direction * depth + (eye.place - frame.eyes.target_eye), direction, is_sky);
-    let ahead = dot(there, frame.eyes.forward);
-    if !(ahead > 0.0) || depth <= 0.0 { return Landed(vec2f(0.0), 0.0); }
-    let aside = there / ahead - frame.eyes.target_corner;
-    let x = dot(aside, frame.eyes.step_x) / dot(frame.eyes.step_x, frame.eyes.step_x);
-    let y = dot(aside, frame.eyes.step_y) / dot(frame.eyes.step_y, frame.eyes.step_y);
-    return Landed(vec2f(x, y), select(ahead, FAR, is_sky));
-}
-
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn bound_by_history(@builtin(global_invocation_id) id: vec3u) {
-    let size = textureDimensions(history) - vec2u(0u, 1u);
+    let size = history_size();
     let upper = launched_row(id) * QUAD;
     if upper >= size.y { return; }
     let lower = min(upper + QUAD, size.y - 1u);
-    let eye = earlier_eye(size.y);
+    let eye = earlier_eye();
     let begin = id.x * QUAD_RUN * QUAD;
     if begin >= size.x { return; }
     var bounded: Bounded;

@@ -5,9 +5,10 @@
 // launch  one thread per list entry, or per four entries, dispatched indirectly
 // reads   lists        TO_SHADE
 // updates view         [height * width]      color
+// writes  kept_samples texture, for views that reuse an earlier frame's bits
 // adds    counters     [height * COUNTERS]
 
-//! use camera, counters, dice, lane, lists, pixels, shade, surfaces, view, visibility
+//! use camera, counters, dice, kept_samples, lane, lists, pixels, shade, surfaces, view, visibility
 
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
@@ -22,7 +23,9 @@ fn shade_listed(@builtin(global_invocation_id) id: vec3u) {
     let surfaces = surfaces_at(rays, found);
     throw_dice(listed.pixels, 0u);
     ask_source(listed.pixels, found, surfaces);
-    keep_colors(listed.pixels, listed.wanted, shade(rays, found, surfaces).color);
+    let shaded = shade(rays, found, surfaces);
+    keep_colors(listed.pixels, listed.wanted, shaded.color);
+    keep_samples(listed.pixels, listed.wanted, shaded);
     let first = pixel_of_ray(listed.pixels, 0u);
     count_pixel(first);
     count_view(first.y, rays_asked(), nodes_visited, primitives_tested);

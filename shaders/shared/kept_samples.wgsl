@@ -17,13 +17,24 @@ fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {
     );
 }
 
+fn keep_samples(pixels: Pixels, wanted: B, samples: Samples) {
+    var ray = 0u;
+    loop {
+        if of_ray_b(wanted, ray) { keep_sample(pixel_of_ray(pixels, ray), samples, ray); }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+}
+
 // Marks a pixel that was not wanted as a pixel without a sample. No target pixel reuses it.
 fn keep_no_sample(pixel: vec2u) {
     textureStore(kept_samples, pixel, vec4u(0u, MISS, MISS, 0u));
 }
 
-//! if samples is none
-// No visibility bits are reused, so no samples are stored.
+//! if samples is none or read
+// No samples are stored.
 fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {}
+
+fn keep_samples(pixels: Pixels, wanted: B, samples: Samples) {}
 
 fn keep_no_sample(pixel: vec2u) {}

@@ -1,6 +1,6 @@
 // Visibility of lights from the points that a lane's rays hit.
 
-//! use bits, camera, dice, frame, lane, light, lists, pixels, rays, shadow_buffer, shadows, source_samples
+//! use bits, camera, dice, frame, lane, light, lists, pixels, rays, recall, shadow_buffer, shadows, source_samples
 
 //! if visibility is traced
 // Visibility is always computed by a shadow-buffer or a shadow ray. It is stored for the other eye if the method reuses
@@ -11,33 +11,40 @@ const TO_SHADE: u32 = TO_TRACE;
 
 fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {}
 
-var<private> found_bits: U;
-// Slot of the occluder of the last hidden light.
-var<private> found_occluders: U = U(MISS);
-
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let occluders = hidden_from(light, ray, wanted);
     let lit = wanted & (occluders == U(MISS));
-    if KEEP_BITS && light < 16u {
-        found_bits |= select(U(0u), U(1u << (light + 16u)), wanted) | select(U(0u), U(1u << light), lit);
-        found_occluders = select(found_occluders, occluders, wanted & !lit);
-    }
+    record(light, wanted, lit, occluders);
     return lit;
 }
-
-fn light_bits() -> U {
-    return found_bits;
-}
-
-// Shares of the first six sources that are not point lights, packed as in bits.wgsl.
-var<private> found_shares: U = U(0xffffffffu);
 
 // Returns the weighted share of a source's rays that arrive, or -1 if they must be traced.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     return -1.0;
 }
 
-fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
+fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) { record_share(light, slot, ray, open, all); }
+
+//! if visibility is traced or recalled or recalled_or_traced
+// Visibility is kept for views that reuse it.
+
+var<private> found_bits: U;
+// Slot of the occluder of the last hidden light, or MISS if none was found.
+var<private> found_occluders: U = U(MISS);
+// Shares of the first six sources that are not point lights, packed as in bits.wgsl.
+var<private> found_shares: U = U(0xffffffffu);
+
+fn light_bits() -> U {
+    return found_bits;
+}
+
+fn record(light: u32, known: B, lit: B, occluders: U) {
+    if !KEEP_BITS || light >= 16u { return; }
+    found_bits |= select(U(0u), U(1u << (light + 16u)), known) | select(U(0u), U(1u << light), lit);
+    found_occluders = select(found_occluders, occluders, occluders != U(MISS));
+}
+
+fn record_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
     if !KEEP_BITS || all <= 0.0 { return; }
     if light < 16u && (open == 0.0 || open == all) {
         let bits = (1u << (light + 16u)) | select(0u, 1u << light, open == all);
@@ -51,28 +58,35 @@ fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
     }
 }
 
-//! if visibility is taken
-// Reuses the samples of the source view. A pixel with an unknown bit is deferred to shade_listed.
+//! if visibility is taken or taken_or_traced
+fn record(light: u32, known: B, lit: B, occluders: U) {}
+
+fn record_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {}
+
+fn light_bits() -> U {
+    return U(0u);
+}
+
+//! if visibility is taken or recalled
+// Known bits are reused. A pixel with an unknown bit is deferred to shade_listed.
 
 var<private> put_off: B;
 
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let known = is_known(taken, light);
+    let lit = wanted & known & is_lit(taken, light);
+    record(light, wanted & known, lit, U(MISS));
     put_off |= wanted & !known;
-    return wanted & known & is_lit(taken, light);
-}
-
-fn light_bits() -> U {
-    return U(0u);
+    return lit;
 }
 
 fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
     if all > 0.0 { put_off |= RAY_INDEX == U(ray); }
 }
 
-//! if visibility is taken_or_traced
-// Reuses the samples of the source view. For an unknown bit, the samples' occluders are tested before a shadow ray is
-// traced: a hit proves the shadow.
+//! if visibility is taken_or_traced or recalled_or_traced
+// Known bits are reused. For an unknown bit, the samples' occluders are tested before a shadow ray is traced: a hit
+// proves the shadow.
 
 const TO_SHADE: u32 = TO_LIGHT;
 
@@ -80,19 +94,20 @@ fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let known = is_known(taken, light);
     let unknown = wanted & !known;
     var lit = wanted & known & is_lit(taken, light);
+    var occluders = U(MISS);
     if any_ray(unknown) {
         var open = unknown;
         if KEEP_OCCLUDERS { open &= !hidden_likewise(unknown, ray); }
-        if any_ray(open) { lit |= open & (hidden_from(light, ray, open) == U(MISS)); }
+        if any_ray(open) {
+            occluders = hidden_from(light, ray, open);
+            lit |= open & (occluders == U(MISS));
+        }
     }
+    record(light, wanted, lit, occluders);
     return lit;
 }
 
-fn light_bits() -> U {
-    return U(0u);
-}
-
-fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {}
+fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) { record_share(light, slot, ray, open, all); }
 
 // Returns which rays hit an occluder of one of the source samples beside their points.
 fn hidden_likewise(unknown: B, ray: ShadowRay) -> B {
@@ -111,20 +126,47 @@ fn hidden_likewise(unknown: B, ray: ShadowRay) -> B {
     return hidden == U(1u);
 }
 
-//! if visibility is taken or taken_or_traced
-var<private> taken: Taken;
-
+//! if visibility is taken_or_traced
 // Queries the source's samples beside these points.
 fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
     taken = taken_bits(pixels, hits, surfaces, busy_at(pixels));
 }
 
+//! if visibility is recalled_or_traced
+// Queries an earlier frame's samples around these points.
+fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
+    taken = recalled_bits(pixels, surfaces, busy_at(pixels));
+    if KEEP_BITS { found_occluders = taken.occluders_a; }
+}
+
+//! if visibility is taken
 // Queries the samples like ask_source, for a lane whose pixels are all in one tile. The tile's busy lights are read
 // only once.
 fn ask_source_in_tile(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
     taken = taken_bits(pixels, hits, surfaces, U(busy_near(pixel_of_ray(pixels, 0u))));
 }
 
+//! if visibility is recalled
+fn ask_source_in_tile(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
+    taken = recalled_bits(pixels, surfaces, U(busy_near(pixel_of_ray(pixels, 0u))));
+    if KEEP_BITS { found_occluders = taken.occluders_a; }
+}
+
+//! if visibility is taken or taken_or_traced or recalled or recalled_or_traced
+var<private> taken: Taken;
+
+//! if visibility is recalled or recalled_or_traced
+// Returns a source's share if all of its rays or none of them arrived at the samples around a point, or -1.
+fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
+    if KEEP_SHARES && slot < SHARES && (of_ray_u(taken.busy, ray) & (1u << (16u + slot))) != 0u { return -1.0; }
+    let bit = light_mask(light);
+    if (of_ray_u(taken.known, ray) & bit) == 0u { return -1.0; }
+    let open = select(0.0, 1.0, (of_ray_u(taken.lit, ray) & bit) != 0u);
+    record_share(light, slot, ray, open, 1.0);
+    return open;
+}
+
+//! if visibility is taken or taken_or_traced
 // Returns the share of a source's rays that arrive, or -1 if unknown. If both samples see all of the source, or both
 // see none of it, their share is reused. Otherwise the share is interpolated, if chance explains the samples'
 // difference and the penumbra is not narrow.

@@ -314,8 +314,9 @@ impl Options {
     }
 
     /// Sets the memory for samples of earlier frames in MiB, at least 1. A film's next frame then searches the tiles of
-    /// its traced view only as deep as these samples landed (docs/BRACKET.md). Pictures are the same as without, but
-    /// for the rounding of adapters that contract operations.
+    /// its traced view only as deep as these samples landed, and recalls their visibility of lights where all samples
+    /// around a point agree (docs/BRACKET.md). First hits are the same as without, but for the rounding of adapters that
+    /// contract operations. With `bracket-rays` all light is traced anew.
     ///
     /// It takes 32 bytes per sample. A frame has no history if that is more memory, if it is adaptive, encoded, traced
     /// in steps or drawn into a T-buffer, if several views are traced, and if `bracket`, `bracket-rays` or `auto` does
@@ -323,6 +324,13 @@ impl Options {
     pub fn history(mut self, mebibytes: impl Into<Option<u32>>) -> Self {
         self.history = mebibytes.into();
         self
+    }
+
+    /// Returns whether a frame may depend on earlier frames, by [`Options::history`]. A film by blocks, each of which
+    /// begins with [`Renderer::forget`](crate::Renderer::forget), shows the same when a block is rendered alone.
+    pub fn has_history(&self) -> bool {
+        let by_bracket = matches!(self.method, Method::Bracket(_) | Method::Auto);
+        self.history.is_some() && by_bracket && self.adaptive.is_none() && self.visibility == Visibility::Rays
     }
 
     /// Sets the number of samples per pixel: 1, 4, 9, 16, 25, 36, 49 or 64. Frames with any other number are errors.

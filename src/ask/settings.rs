@@ -197,7 +197,7 @@ impl Setting {
             name: "history",
             form: "MIB|off",
             about: "Memory for samples of earlier frames in MiB, at least 1. The next frame finds the same first hits \
-                    by them, with fewer rays",
+                    by them, and visible lights, with fewer rays. `sequence` has 1024 by default",
             set: |options, text| put(&mut options.history, off(text, count)),
             get: |options| optional(options.history, |mebibytes| mebibytes.to_string()),
         },

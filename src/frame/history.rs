@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::executor::{Held, Resources};
 use crate::{
-    Error,
+    AmbientOcclusion, Error, Lighting, Method, Options, Penumbra, ShadowBuffer,
     gpu::{Gpu, Texel},
     kernel::{Resource, layout},
 };
@@ -24,8 +24,39 @@ pub(crate) struct History {
     samples: [wgpu::TextureView; 2],
     /// Bound and busy lights of each tile of the current view.
     bounds: wgpu::Buffer,
-    /// Whether the samples of an earlier frame are there.
-    pub(crate) is_filled: bool,
+    /// What the earlier frame's bits depend on, or `None` before the first frame.
+    lit: Option<Lit>,
+    /// Number of frames so far.
+    frames: u32,
+}
+
+/// What visibility bits depend on: the state of the scene ([`UploadedScene`](crate::UploadedScene)), and how its lights
+/// are sampled.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Lit {
+    state: u64,
+    method: Method,
+    lighting: Lighting,
+    shadow_rays: u32,
+    ambient_occlusion: Option<AmbientOcclusion>,
+    sky_rays: Option<u32>,
+    penumbra: Penumbra,
+    shadow_buffer: Option<ShadowBuffer>,
+}
+
+impl Lit {
+    pub(crate) fn of(state: u64, options: &Options) -> Self {
+        Self {
+            state,
+            method: options.method,
+            lighting: options.lighting,
+            shadow_rays: options.shadow_rays,
+            ambient_occlusion: options.ambient_occlusion,
+            sky_rays: options.sky_rays,
+            penumbra: options.penumbra,
+            shadow_buffer: options.shadow_buffer,
+        }
+    }
 }
 
 /// The parts of a history that a frame reads and writes.
@@ -43,8 +74,9 @@ pub(crate) enum Recall {
     Nothing,
     /// It keeps the samples of its traced view.
     Keep,
-    /// It also reads those of an earlier frame.
-    Read,
+    /// It also reads those of an earlier frame: their depths, and their visibility bits if these depend on nothing that
+    /// has changed.
+    Read { bits: bool },
 }
 
 impl History {
@@ -67,7 +99,7 @@ impl History {
             Ok((samples, gpu.storage_buffer("history_bounds", bounds_bytes(size))))
         };
         let (samples, bounds) = gpu.checked(make).await?;
-        let new = Self { scene, size, samples, bounds, is_filled: false };
+        let new = Self { scene, size, samples, bounds, lit: None, frames: 0 };
         // The textures are filled for the reason of `samples_texture`.
         for view in &new.samples {
             gpu.fill_rows(view.texture(), 0, std::iter::repeat_n([0; 4], texels)).await?;
@@ -80,6 +112,14 @@ impl History {
         (self.scene, self.size) == (scene, size)
     }
 
+    /// Returns how a frame may use the history.
+    pub(crate) fn recall(&self, lit: &Lit) -> Recall {
+        match &self.lit {
+            Some(earlier) => Recall::Read { bits: earlier == lit },
+            None => Recall::Keep,
+        }
+    }
+
     pub(crate) fn remembered(&self) -> Remembered {
         let [earlier, current] = self.samples.clone();
         Remembered { earlier, current, bounds: self.bounds.clone() }
@@ -89,15 +129,16 @@ impl History {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
-    pub(crate) async fn turn(&mut self, gpu: &Gpu, eye: &layout::Eyes) -> Result<(), Error> {
-        let texel = |[x, y, z]: [f32; 3]| [x, y, z, 0.0].map(f32::to_bits);
+    pub(crate) async fn turn(&mut self, gpu: &Gpu, eye: &layout::Eyes, lit: Lit) -> Result<(), Error> {
+        self.frames = self.frames.wrapping_add(1);
+        let texel = |[x, y, z]: [f32; 3]| [x.to_bits(), y.to_bits(), z.to_bits(), self.frames];
         let texels = [eye.target_eye, eye.target_corner, eye.step_x, eye.step_y].map(texel);
         self.samples.swap(0, 1);
-        self.is_filled = false;
+        self.lit = None;
         let begin = self.size[0] as usize * self.size[1] as usize;
         gpu.fill_rows(self.samples[0].texture(), begin, texels.into_iter()).await?;
         self.written(gpu).await?;
-        self.is_filled = true;
+        self.lit = Some(lit);
         Ok(())
     }
 

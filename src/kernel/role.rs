@@ -82,6 +82,12 @@ pub(crate) enum Shading {
     Listed,
     /// No hits. The kernel samples the soft lights for the hits of a view.
     Soft,
+    /// Like [`Sky`](Self::Sky), [`Reused`](Self::Reused), [`Unknown`](Self::Unknown) and
+    /// [`SoftUnknown`](Self::SoftUnknown), for a traced view that reuses bits of an earlier frame. Its samples are kept.
+    RecalledSky,
+    Recalled,
+    RecalledUnknown,
+    RecalledSoft,
     /// No hits. The kernel samples the soft lights for listed hits.
     SoftListed,
     /// No hits. The kernel samples the soft lights for hits for which the visible share of a soft light is unknown.
@@ -102,11 +108,14 @@ pub(crate) enum SampleUse {
 }
 
 /// How a kernel determines visibility bits: by shadow rays, by reuse, or by shadow rays for bits that cannot be reused.
+/// Bits are taken from a source view of the same frame, or recalled from an earlier frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Visible {
     Traced,
     Taken,
     TakenOrTraced,
+    Recalled,
+    RecalledOrTraced,
 }
 
 /// Properties of a kernel's text that follow from its role.
@@ -201,6 +210,16 @@ impl Shading {
             }
             Self::Listed => Does { soft: SoftRole::Masked, queries_shadow_buffers: true, ..plain },
             Self::Soft => Does { soft: SoftRole::Asked, minds_mask: true, ..plain },
+            Self::RecalledSky => Does { samples: SampleUse::Written, ..Self::Sky.does() },
+            Self::Recalled => {
+                Does { samples: SampleUse::Written, visibility: Visible::Recalled, ..Self::Reused.does() }
+            }
+            Self::RecalledUnknown => {
+                Does { samples: SampleUse::Written, visibility: Visible::RecalledOrTraced, ..Self::Unknown.does() }
+            }
+            Self::RecalledSoft => {
+                Does { samples: SampleUse::None, visibility: Visible::RecalledOrTraced, ..Self::SoftUnknown.does() }
+            }
             Self::SoftListed => Does { soft: SoftRole::Asked, ..plain },
             Self::SoftUnknown => {
                 let (samples, soft, visibility) = (SampleUse::Read, SoftRole::Asked, Visible::TakenOrTraced);

@@ -78,12 +78,16 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
     let all = 0..sources.len();
     let traced = all.clone().filter(|&view| sources[view] == view);
     let recall = if samples && !reaches && drawn.is_none() { views.recall } else { Recall::Nothing };
+    let (reads, recalls) = match recall {
+        Recall::Read { bits: same } => (true, same && bits == ShadowReuse::Two),
+        Recall::Nothing | Recall::Keep => (false, false),
+    };
     let source = |view| match drawn {
         Some(drawn) => t_buffer::view(view, drawn, soft),
-        None if recall == Recall::Read => history::source(view, soft, search),
+        None if reads => history::source(view, soft, search, recalls),
         None => trace::source(view, soft),
     };
-    let before = traced.clone().filter(|_| recall == Recall::Read).flat_map(history::bound).collect();
+    let before = traced.clone().filter(|_| reads).flat_map(|view| history::bound(view, recalls)).collect();
     let kept = traced.clone().filter(|_| recall != Recall::Nothing).map(Step::Remember).collect();
     let traced = traced.flat_map(|view| [source(view), behind(view)].concat()).collect();
     let mut stages = vec![Stage::Steps(traced)];
@@ -103,7 +107,7 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
     stages.push(Stage::Steps(kept));
     let traced = match (drawn, recall) {
         (Some(_), _) => Made::Drawn,
-        (None, Recall::Read) => Made::Recalled,
+        (None, Recall::Read { .. }) => Made::Recalled,
         (None, _) => Made::Traced,
     };
     let made = all.clone().map(|view| if sources[view] == view { traced } else { made }).collect();

@@ -9,7 +9,7 @@ use crate::{
     frame::{
         Band, Bands,
         driver::{Driver, Engine, Setting},
-        history::{History, Recall},
+        history::{History, Lit, Recall},
         lanes::Steps,
         plan::{Made, Plan, Search},
         read::{Counts, Ids, ReadBack},
@@ -114,10 +114,15 @@ impl Renderer {
         let masked = wanted.masks().is_some();
         let drawn = if masked { None } else { self.drawn(scene, options) };
         let recall = self.recall(scene, eyes, options, &wanted);
-        let (method, early, plan) = self.planned(scene, eyes, options, drawn, recall);
-        if plan.remembers() {
-            self.room_for_history(scene, eyes.pose.size).await?;
+        let mut planned = self.planned(scene, eyes, options, drawn, recall);
+        if planned.2.remembers() {
+            match self.room_for_history(scene, eyes.pose.size).await {
+                // A history only saves time, so the frame does without it.
+                Err(Error::OutOfMemory(_)) => planned = self.planned(scene, eyes, options, drawn, Recall::Nothing),
+                other => other?,
+            }
         }
+        let (method, early, plan) = planned;
         let variant = Variant { masked, ..self.variant(scene, eyes, options, &plan) };
         let mut used = plan.uses(&self.kernels, &variant);
         used.places.extend(wanted.pictures.then_some((Resource::Packed, 0)));
@@ -160,7 +165,7 @@ impl Renderer {
         let (stagings, plan) = (frame.stagings, frame.plan);
         self.cache.staging.extend(stagings);
         if let Some(history) = self.cache.history.as_mut().filter(|_| plan.remembers() && !done.in_steps) {
-            history.turn(&self.gpu, &eyes.uniform(eyes.sources[0])).await?;
+            history.turn(&self.gpu, &eyes.uniform(eyes.sources[0]), Lit::of(scene.state, options)).await?;
         }
         Ok(done)
     }
@@ -234,7 +239,7 @@ impl Renderer {
         let fits = History::bytes(&self.gpu, size).is_some_and(|bytes| bytes <= most);
         match &self.cache.history {
             _ if !is_whole || traced > 1 || !fits => Recall::Nothing,
-            Some(history) if history.is_of(scene.id(), size) && history.is_filled => Recall::Read,
+            Some(history) if history.is_of(scene.id(), size) => history.recall(&Lit::of(scene.state, options)),
             _ => Recall::Keep,
         }
     }

@@ -38,10 +38,28 @@ pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {
     steps
 }
 
+/// The kernels that shade a view's hits and reuse visibility bits.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shaders {
+    pub(crate) sky: &'static Kernel,
+    pub(crate) tiles: &'static Kernel,
+    pub(crate) soft: &'static Kernel,
+    pub(crate) listed: &'static Kernel,
+}
+
+/// They reuse the bits of a source view.
+const BY_SOURCE: Shaders =
+    Shaders { sky: &SHADE_SKY, tiles: &SHADE_TILES, soft: &soft::TRACE_SOFT_ASKED, listed: &SHADE_LISTED };
+
 /// Returns the steps that find primary visibility, by tiles and rays, and shade the hits. Shadow rays determine unknown
 /// visibility bits.
 pub(crate) fn resolve(view: usize, soft: Option<usize>, search: Search) -> Vec<Step> {
-    [hits(view, search), shade(view, soft)].concat()
+    resolve_by(&BY_SOURCE, view, soft, search)
+}
+
+/// Returns the steps of [`resolve`] with these kernels.
+pub(crate) fn resolve_by(by: &Shaders, view: usize, soft: Option<usize>, search: Search) -> Vec<Step> {
+    [hits(by, view, search), shade(by, view, soft)].concat()
 }
 
 fn kernel_of(search: Search) -> &'static Kernel {
@@ -53,23 +71,28 @@ fn kernel_of(search: Search) -> &'static Kernel {
 }
 
 /// Returns the steps that find primary visibility within the bounds of tiles, by their search and by rays.
-pub(crate) fn hits(view: usize, search: Search) -> Vec<Step> {
+fn hits(by: &Shaders, view: usize, search: Search) -> Vec<Step> {
     let steps = vec![Step::EmptyLists, step(kernel_of(search), view, search.launch())];
-    [steps, hits_of_listed(view)].concat()
+    [steps, hits_of_listed(by, view)].concat()
 }
 
-fn hits_of_listed(view: usize) -> Vec<Step> {
+/// Returns the steps that find a view's hits within the bounds of tiles, for a step that shades whole views.
+pub(crate) fn unshaded(view: usize, search: Search) -> Vec<Step> {
+    hits(&BY_SOURCE, view, search)
+}
+
+fn hits_of_listed(by: &Shaders, view: usize) -> Vec<Step> {
     vec![
         step(&RESOLVE_TILES, view, Launch::Listed(Lists, TO_RESOLVE)),
-        step(&SHADE_SKY, view, Launch::Listed(Lists, SKY)),
+        step(by.sky, view, Launch::Listed(Lists, SKY)),
         step(&TRACE_BOUNDED, view, Launch::Listed(Lists, TO_TRACE)),
     ]
 }
 
-fn shade(view: usize, soft: Option<usize>) -> Vec<Step> {
-    let mut steps = vec![step(&SHADE_TILES, view, Launch::Listed(Lists, TO_RESOLVE))];
-    steps.extend(soft::unknown(view, TO_LIGHT, soft));
-    steps.push(step(&SHADE_LISTED, view, Launch::Listed(Lists, TO_LIGHT)));
+fn shade(by: &Shaders, view: usize, soft: Option<usize>) -> Vec<Step> {
+    let mut steps = vec![step(by.tiles, view, Launch::Listed(Lists, TO_RESOLVE))];
+    steps.extend(soft::unknown(by.soft, view, TO_LIGHT, soft));
+    steps.push(step(by.listed, view, Launch::Listed(Lists, TO_LIGHT)));
     steps
 }
 
@@ -78,6 +101,6 @@ fn shade(view: usize, soft: Option<usize>) -> Vec<Step> {
 pub(crate) fn or_traced(view: usize, soft: Option<usize>, search: Search) -> Vec<Step> {
     let choose = vec![Step::EmptyLists, step(&CHOOSE, view, Launch::Once)];
     let search = vec![step(kernel_of(search), view, Launch::Listed(Lists, TO_SEARCH))];
-    let resolve = [hits_of_listed(view), shade(view, soft)].concat();
+    let resolve = [hits_of_listed(&BY_SOURCE, view), shade(&BY_SOURCE, view, soft)].concat();
     [bound(view, ShadowReuse::Two), choose, search, resolve, trace::chosen(view, soft)].concat()
 }

@@ -91,6 +91,6 @@ pub(crate) fn listed(view: usize, list: u32, parts: Option<usize>) -> Vec<Step> 
 }
 
 /// Returns the steps that sample soft light for pixels that `bracket` listed. Shading comes later.
-pub(crate) fn unknown(view: usize, list: u32, parts: Option<usize>) -> Vec<Step> {
-    asked(&TRACE_SOFT_ASKED, view, Launch::Listed(Lists, list), parts.unwrap_or(0)).collect()
+pub(crate) fn unknown(kernel: &'static Kernel, view: usize, list: u32, parts: Option<usize>) -> Vec<Step> {
+    asked(kernel, view, Launch::Listed(Lists, list), parts.unwrap_or(0)).collect()
 }

@@ -4,7 +4,8 @@ use stereotrace::{
     Builtin, Light, Lighting, Material, Mesh, Method, Options, Renderer, Scene, StereoCamera, StereoPair, Update,
     UploadedScene,
     blocking::Wait,
-    glam::{Affine3A, DQuat, Vec3},
+    glam::{Affine3A, DQuat, DVec3, Vec3},
+    metrics,
     testing::suite::Trial,
 };
 
@@ -125,6 +126,90 @@ fn lights_samples_and_paths_are_as_without_a_history() {
         let rays = compare((&mut renderer, &uploaded), what, film, &options);
         assert!(rays[1][0] < rays[0][0] / 4, "{what}: {rays:?}");
     }
+}
+
+/// Returns the percentages of both views that differ from `naive`'s.
+fn differing(pair: &StereoPair, naive: &StereoPair) -> [f64; 2] {
+    [(&pair.left, &naive.left), (&pair.right, &naive.right)].map(|(view, naive)| {
+        let difference = metrics::compare(view, naive, &pair.pose).unwrap();
+        assert_eq!(difference.wrong_surface_percent, 0.0);
+        100.0 - difference.identical_percent
+    })
+}
+
+/// Returns the camera of a frame that orbits its target by half a degree a frame.
+fn orbit(camera: StereoCamera, frame: u32) -> StereoCamera {
+    let to_eye = camera.pose().unwrap().eye - camera.target_position();
+    let turn = DQuat::from_axis_angle(camera.up_direction().as_dvec3(), (0.5 * f64::from(frame)).to_radians());
+    camera.eye(camera.target_position() + turn * to_eye)
+}
+
+/// Visibility bits are recalled from frame to frame. Their errors neither grow nor spread.
+#[test]
+fn recalled_visibility_does_not_drift() {
+    let mut renderer = renderer();
+    let frames = if is_long() { 100 } else { 40 };
+    // The largest measured shares of shadow rays, in small pictures full of edges, with a margin of a tenth.
+    for (builtin, most) in [(Builtin::Hall, 0.73), (Builtin::Spheres, 0.43)] {
+        let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
+        let camera = builtin.camera(160, 120);
+        let mut wrong = Vec::new();
+        let mut shares = Vec::new();
+        for frame in 0..frames {
+            let camera = orbit(camera, frame);
+            let mut pair =
+                |options: Options| renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
+            let naive = pair(Options::new(Method::Naive));
+            let recalled = pair(Options::new(Method::BRACKET).history(ROOM));
+            let [all, asked] = [&naive, &recalled].map(|pair| pair.statistics.left.rays.shadow as f64);
+            shares.push(asked / all);
+            wrong.push(differing(&recalled, &naive));
+        }
+        // Without a history, the left view would not differ.
+        let mean = |frames: &[[f64; 2]]| frames.iter().map(|[left, _]| left).sum::<f64>() / frames.len() as f64;
+        let [early, late] = [mean(&wrong[1..11]), mean(&wrong[wrong.len() - 10..])];
+        let asked = shares[1..].iter().sum::<f64>() / (shares.len() - 1) as f64;
+        println!("{builtin:?}: shadow rays {asked:.3}, differing {early:.4}% early, {late:.4}% late");
+        assert!(asked < most, "{builtin:?}: {asked}");
+        // Measured: 0.092%. Steps of one level of a colour count.
+        assert!(early < 0.12 && late < 0.12, "{builtin:?}: {early}% differ early, {late}% late");
+        renderer.forget();
+    }
+}
+
+/// Bits of an earlier frame count only if lights, materials, objects and the sampling of light are as they were.
+#[test]
+fn changes_forget_visibility() {
+    let mut renderer = renderer();
+    let mut scene = Scene::new();
+    scene.add_mesh(&ball(Vec3::new(0.0, 0.5, 0.0), 0.5, 8)).unwrap();
+    let floor = [(-3.0, -3.0), (-3.0, 3.0), (3.0, 3.0), (3.0, -3.0)].map(|(x, z)| Vec3::new(x, -0.5, z)).to_vec();
+    scene.add_mesh(&Mesh::new(floor, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    scene.lights = vec![Light::point(Vec3::new(1.0, 3.0, 2.0), Vec3::splat(0.5))];
+    let camera = StereoCamera::look_at(Vec3::new(0.0, 0.9, 3.0), Vec3::ZERO).size(80, 60).interaxial_pixels(3.0);
+    let mut uploaded = renderer.upload(&scene).wait().unwrap();
+    let options = Options::new(Method::BRACKET);
+    let mut shadow_rays = |renderer: &mut Renderer, uploaded: &UploadedScene, options: &Options| {
+        let [first, second] = [options.clone().history(ROOM), options.clone()].map(|options| {
+            let pair = renderer.pair(uploaded, &camera).options(&options).read().wait().unwrap();
+            (pair.left.rgba8, pair.right.rgba8, pair.statistics.left.rays.shadow)
+        });
+        (first.2, second.2, (first.0, first.1) == (second.0, second.1))
+    };
+    let (asked, all, _) = shadow_rays(&mut renderer, &uploaded, &options);
+    assert_eq!(asked, all, "the first frame");
+    let (asked, all, _) = shadow_rays(&mut renderer, &uploaded, &options);
+    assert!(asked < all / 3, "nothing changed: {asked} of {all} rays");
+    scene.lights[0].position += DVec3::new(0.5, 0.0, 0.0);
+    renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
+    let (asked, all, same) = shadow_rays(&mut renderer, &uploaded, &options);
+    assert!(asked == all && same, "a light moved: {asked} of {all} rays");
+    scene.transform_object(0, &Affine3A::from_translation(Vec3::new(0.3, 0.0, 0.0))).unwrap();
+    renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
+    let (asked, all, same) = shadow_rays(&mut renderer, &uploaded, &options);
+    assert!(asked == all && same, "an object moved: {asked} of {all} rays");
+    let (asked, all, same) = shadow_rays(&mut renderer, &uploaded, &Options::new(Method::BRACKET_RAYS));
+    assert!(asked == all && same, "another method: {asked} of {all} rays");
 }
 
 /// Whatever moves between frames, hits are found by each pixel's own ray.

@@ -21,7 +21,10 @@ use crate::{
             SHADE_LISTED, SHADE_SKY, SHADE_TILES, TRACE_BOUNDED,
         },
         edges::MARK_EDGES,
-        history::BOUND_BY_HISTORY,
+        history::{
+            BOUND_BY_HISTORY, MARK_BUSY_BY_HISTORY, SHADE_RECALLED, SHADE_RECALLED_LISTED, SHADE_RECALLED_SKY,
+            TRACE_SOFT_RECALLED,
+        },
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
         paths::{ADD_BROUGHT, BEGIN_LISTED_PATHS, BEGIN_PATHS, SHARE_BROUGHT, TRACE_PATHS},
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
@@ -33,7 +36,7 @@ use crate::{
     view::rig::Projection,
 };
 
-pub(super) const ALL: [&Kernel; 63] = [
+pub(super) const ALL: [&Kernel; 68] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &BEGIN_PATHS,
@@ -49,6 +52,11 @@ pub(super) const ALL: [&Kernel; 63] = [
     &SHADE_SKY,
     &SHADE_TILES,
     &BOUND_BY_HISTORY,
+    &MARK_BUSY_BY_HISTORY,
+    &SHADE_RECALLED,
+    &SHADE_RECALLED_LISTED,
+    &SHADE_RECALLED_SKY,
+    &TRACE_SOFT_RECALLED,
     &BOUND_TILES,
     &MARK_BUSY,
     &CHOOSE,
@@ -232,11 +240,20 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
             all.iter_mut().for_each(|with| (with.paths, with.linear) = (true, true));
         }
         Role::Shade(Shading::Soft | Shading::SoftListed) => all.retain(Variant::is_soft),
-        Role::Shade(Shading::SoftUnknown) => all.retain(|with| with.is_soft() && with.has_tree()),
+        Role::Shade(Shading::SoftUnknown | Shading::RecalledSoft) => {
+            all.retain(|with| with.is_soft() && with.has_tree())
+        }
         // Shadow-buffers are also read in scenes with planes only.
         Role::Draw(Canvas::Middles | Canvas::Texels) if kernel.main.file.contains("/read_") => {}
         Role::Hits(Hits::Tiles | Hits::Drawn) | Role::Draw(_) => all.retain(Variant::has_tree),
-        Role::Shade(Shading::Sky | Shading::Reused | Shading::Unknown) => all.retain(Variant::has_tree),
+        Role::Shade(
+            Shading::Sky
+            | Shading::Reused
+            | Shading::Unknown
+            | Shading::RecalledSky
+            | Shading::Recalled
+            | Shading::RecalledUnknown,
+        ) => all.retain(Variant::has_tree),
         Role::Pixels | Role::LinearPixels | Role::MarkBusy | Role::Objects | Role::RayList(_) => {}
         Role::Hits(Hits::View | Hits::Checked | Hits::Trusted | Hits::Listed) => {}
         Role::Shade(Shading::Traced(_) | Shading::Source | Shading::Listed) => {}

@@ -46,6 +46,8 @@ impl Kernel {
             Visible::Traced => "traced",
             Visible::Taken => "taken",
             Visible::TakenOrTraced => "taken_or_traced",
+            Visible::Recalled => "recalled",
+            Visible::RecalledOrTraced => "recalled_or_traced",
         };
         let shine = match (with.shine, with.normalised) {
             (false, _) if !(with.paths && with.principled) => "none",

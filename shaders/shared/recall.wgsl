@@ -1,0 +1,76 @@
+// Visibility bits that a traced view recalls from an earlier frame (docs/BRACKET.md, "Earlier frames"). A bit is known if
+// the four samples around a point show its surface, all know the bit, and agree. Some tiles recall nothing in turn, so
+// that each bit is traced anew after a while.
+
+//! use bits, dice, frame, history, lane, light, pixels, tiles
+
+// One of this number of tiles recalls nothing in each frame.
+const ASKED_ANEW: u32 = 32u;
+// Largest difference of a sample's depth from a point's, as a share of the depth, over a pixel's width at depth 1
+// (`STEEPEST` of src/frame/eyes.rs).
+const STEEPEST: f32 = 36.0;
+// Minimum depth of a groove below the surface through the samples, as a share of that difference (bits.wgsl).
+const GROOVE_OF_STEEPEST: f32 = 1.0 / 96.0;
+
+fn recalled_bits(pixels: Pixels, surfaces: Surfaces, busy: U) -> Taken {
+    var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0), busy);
+    let eye = earlier_eye();
+    var ray = 0u;
+    loop {
+        if of_ray_b(surfaces.there, ray) && !recalls_nothing(pixel_of_ray(pixels, ray)) {
+            let around = bits_around(eye, of_ray3(surfaces.point, ray), of_ray_u(surfaces.component, ray));
+            result.known = with_ray_u(result.known, ray, (around.bits >> 16u) & ~of_ray_u(busy, ray));
+            result.lit = with_ray_u(result.lit, ray, around.bits & 0xffffu);
+            if KEEP_OCCLUDERS {
+                result.occluders_a = with_ray_u(result.occluders_a, ray, around.occluders.x);
+                result.occluders_b = with_ray_u(result.occluders_b, ray, around.occluders.y);
+            }
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    return result;
+}
+
+fn recalls_nothing(pixel: vec2u) -> bool {
+    let tile = vec2u(pixel.x, pixel.y + frame.band.first_row) / TILE;
+    return (scrambled(vec3u(tile, 0u)).x + earlier_frame()) % ASKED_ANEW == 0u;
+}
+
+// The bits on which the four samples around a point agree, and occluders of two of the samples, or MISS.
+struct Around {
+    bits: u32,
+    occluders: vec2u,
+}
+
+fn bits_around(eye: EarlierEye, point: vec3f, component: u32) -> Around {
+    let nothing = Around(0u, vec2u(MISS));
+    let there = point - eye.place;
+    // The vector whose product with all directions to pixels is 1.
+    let normal = cross(eye.step_x, eye.step_y);
+    let forward = normal / dot(normal, eye.corner);
+    let depth = dot(there, forward);
+    if !(depth > 0.0) { return nothing; }
+    let aside = there / depth - eye.corner;
+    let x = dot(aside, eye.step_x) / dot(eye.step_x, eye.step_x) - 0.5;
+    let y = dot(aside, eye.step_y) / dot(eye.step_y, eye.step_y) - 0.5;
+    let size = vec2f(history_size());
+    if !(x >= 0.0 && y >= 0.0 && x + 1.0 < size.x && y + 1.0 < size.y) { return nothing; }
+    let first = vec2u(vec2f(x, y));
+    let way = vec2f(x, y) - vec2f(first);
+    let a = textureLoad(history, first, 0);
+    let b = textureLoad(history, first + vec2u(1u, 0u), 0);
+    let c = textureLoad(history, first + vec2u(0u, 1u), 0);
+    let d = textureLoad(history, first + vec2u(1u, 1u), 0);
+    let depths = bitcast<vec4f>(vec4u(a.x, b.x, c.x, d.x));
+    let differ = vec4u(a.z, b.z, c.z, d.z) != vec4u(component);
+    let steepest = STEEPEST * length(eye.step_x);
+    let apart = abs(depth / depths - 1.0);
+    if any(differ) || !all(apart <= vec4f(steepest)) { return nothing; }
+    let known = ((a.w & b.w & c.w & d.w) >> 16u) & ~((a.w ^ b.w) | (a.w ^ c.w) | (a.w ^ d.w)) & 0xffffu;
+    let bits = (known << 16u) | (a.w & known);
+    // Reciprocals of depths are linear on a plane.
+    let nearness = mix(mix(1.0 / depths.x, 1.0 / depths.y, way.x), mix(1.0 / depths.z, 1.0 / depths.w, way.x), way.y);
+    let in_groove = depth * nearness - 1.0 > GROOVE_OF_STEEPEST * steepest;
+    return Around(select(bits, bits & ~(bits << 16u), in_groove), vec2u(a.y, d.y));
+}
