@@ -43,6 +43,30 @@ fn a_sequence_that_was_interrupted_goes_on_where_it_stopped() {
     assert!(fault(&[]).contains("it was made with different"));
 }
 
+/// Pictures by samples of earlier ones are the same, whichever pictures a run renders.
+#[test]
+fn a_film_has_the_same_bytes_in_one_run_in_parts_and_after_a_loss() {
+    let folder = Folder::new("blocks");
+    let film = |name: &str, frames: &str| {
+        let out = folder.file(name).to_str().unwrap().to_owned();
+        let command = ["sequence", "builtin:hall", "--size", "64x48", "--orbit", "400", "--method", "bracket"];
+        printed(&[&command[..], &["--frames", frames, "--out", &out]].concat())
+    };
+    let picture = |name: &str, frame: u32| {
+        let eye = |eye: &str| fs::read(folder.file(&format!("{name}/{eye}_{frame:04}.png"))).unwrap();
+        [eye("left"), eye("right")]
+    };
+    film("whole", "0..20");
+    film("part", "13..18");
+    (13..18).for_each(|frame| assert!(picture("part", frame) == picture("whole", frame), "frame {frame}"));
+    let before: Vec<_> = (0..20).map(|frame| picture("whole", frame)).collect();
+    for lost in ["left_0005", "right_0006", "left_0018"] {
+        fs::remove_file(folder.file(&format!("whole/{lost}.png"))).unwrap();
+    }
+    assert!(film("whole", "0..20").contains("3 pairs in "));
+    (0..20).for_each(|frame| assert!(picture("whole", frame) == before[frame as usize], "frame {frame}"));
+}
+
 #[test]
 fn a_sequence_of_another_material_or_texture_is_another_one() {
     let folder = Folder::new("materials");

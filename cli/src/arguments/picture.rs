@@ -116,7 +116,7 @@ impl PictureArguments {
     }
 
     /// Returns whether the command line gives an option.
-    fn gives(&self, name: &str) -> bool {
+    pub(crate) fn gives(&self, name: &str) -> bool {
         self.options.given.iter().any(|(given, _)| *given == name)
     }
 

@@ -12,11 +12,11 @@ use std::{
 
 use clap::Args;
 use serde_json::{Value, json};
-use stereotrace::{StereoPair, message::counted, output::Batch, output::write_whole};
+use stereotrace::{Options, StereoPair, message::counted, output::Batch, output::write_whole};
 
 use super::motion::{Motion, MotionArguments};
 use crate::{
-    arguments::{Global, Purpose, Subject, frames},
+    arguments::{Global, Purpose, Stage, Subject, frames},
     progress::Progress,
     record, shown,
     stop::{Interrupted, Stop},
@@ -28,6 +28,12 @@ use crate::{
 const RECORD: &str = "sequence.json";
 /// Number of pictures of the default motion, an orbit.
 const ORBIT: u32 = 72;
+/// Number of consecutive pictures that a history spans. Then it begins anew, so a run that goes on in the middle of a
+/// film renders few pictures again, and several machines can share a film by blocks.
+const BLOCK: u32 = 16;
+/// Memory for samples of earlier pictures in MiB, unless `--history` is given.
+const HISTORY: u32 = 1024;
+
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
     /// Render only these pictures of the sequence, such as 0..24 for the first 24
@@ -72,16 +78,23 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     };
 
     stage.options = stage.options.linear(is_open_exr(&arguments.out));
+    if !arguments.subject.picture.gives("history") {
+        stage.options = stage.options.history(HISTORY);
+    }
     let begin = Instant::now();
     let mut progress = Progress::new(global, pending.len() as u32);
     let mut size = [0, 0];
+    let mut last = None;
     for (done, &frame) in pending.iter().enumerate() {
         let interrupted = || Interrupted { done, of: pending.len(), can_go_on: names != Names::Stdout };
         if stop.is_asked_for() {
             return Err(interrupted().into());
         }
-        let camera = motion.at(frame);
-        let pair = stage.render(camera, stage.options.clone(), &mut progress)?;
+        for earlier in earlier_in_block(&stage.options, frame, last) {
+            picture(&mut stage, &motion, earlier, &mut progress)?;
+        }
+        let pair = picture(&mut stage, &motion, frame, &mut progress)?;
+        last = Some(frame);
         size = match names.write(&pair, frame, &arguments.eyes) {
             // The signal may also have ended the program that reads the pipe.
             Err(_) if names == Names::Stdout && stop.is_asked_for() => return Err(interrupted().into()),
@@ -114,6 +127,27 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         "size": size,
     });
     Ok(Summary { text, json, to_stderr: names == Names::Stdout })
+}
+
+/// Renders a picture. The first one of a block depends on no other.
+fn picture(
+    stage: &mut Stage,
+    motion: &Motion,
+    frame: u32,
+    progress: &mut Progress,
+) -> Result<StereoPair, stereotrace::Error> {
+    if frame.is_multiple_of(BLOCK) {
+        stage.renderer.forget();
+    }
+    stage.render(motion.at(frame), stage.options.clone(), progress)
+}
+
+/// Returns the pictures before `frame` in its block that the renderer needs for its history, after picture `last`.
+/// They may exist already. So a picture has the same bytes whichever pictures of its block a run renders.
+fn earlier_in_block(options: &Options, frame: u32, last: Option<u32>) -> Range<u32> {
+    let begin = frame - frame % BLOCK;
+    let first = last.filter(|last| *last >= begin).map_or(begin, |last| last + 1);
+    if options.has_history() { first..frame } else { frame..frame }
 }
 
 /// Names of the pictures.
