@@ -1,6 +1,7 @@
 //! Tests flicker, the stability benchmark's figure for a film.
 
-#[path = "../benches/stability/flicker.rs"]
+#[path = "../benches/common/flicker.rs"]
+#[allow(unreachable_pub, reason = "benchmarks share it")]
 mod flicker;
 
 use crate::flicker::Flicker;

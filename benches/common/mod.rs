@@ -4,6 +4,7 @@
 pub mod chart;
 pub mod exit;
 pub mod files;
+pub mod flicker;
 pub mod looks;
 pub mod measure;
 pub mod options;

@@ -8,7 +8,7 @@ use stereotrace::{
     scene::builtin::{Builtin, spheres_turned},
 };
 
-use crate::{flicker::Flicker, options::Plan};
+use crate::{common::flicker::Flicker, options::Plan};
 
 /// A method's result for the film.
 pub(crate) struct Film {

@@ -10,7 +10,6 @@ mod chart;
 #[path = "../common/mod.rs"]
 mod common;
 mod film;
-mod flicker;
 mod options;
 mod output;
 mod tables;

@@ -2,7 +2,7 @@
 
 /// Tracks a method's errors through a film.
 #[derive(Default)]
-pub(crate) struct Flicker {
+pub struct Flicker {
     /// Wrong pixels of the previous frame; empty before the first frame.
     wrong: Vec<bool>,
     /// Sum of the percentages of pixels that changed.
@@ -14,7 +14,7 @@ pub(crate) struct Flicker {
 impl Flicker {
     /// Adds the next frame and its true picture, of the same size as the previous ones. Any difference in 8-bit colour
     /// is an error; alpha does not count.
-    pub(crate) fn add(&mut self, picture: &[[u8; 4]], truth: &[[u8; 4]]) {
+    pub fn add(&mut self, picture: &[[u8; 4]], truth: &[[u8; 4]]) {
         let wrong: Vec<bool> = picture.iter().zip(truth).map(|(a, b)| a[..3] != b[..3]).collect();
         if !self.wrong.is_empty() {
             let changed = wrong.iter().zip(&self.wrong).filter(|(now, before)| now != before).count();
@@ -26,7 +26,7 @@ impl Flicker {
 
     /// Returns the percentage of pixels that are wrong in exactly one of two successive frames, averaged over all
     /// frames but the first. Returns `None` before the second frame.
-    pub(crate) fn percent(&self) -> Option<f64> {
+    pub fn percent(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum / self.count as f64)
     }
 }

@@ -1,11 +1,14 @@
-//! Measures films, frame by frame: `cargo bench --bench frames` prints a table, and writes target/bench/frames.
+//! Measures films, frame by frame: `cargo bench --bench frames` prints a table, and writes `results.json` and a chart
+//! to target/bench/frames.
 //!
 //! Each film moves the camera on a path. Naive, bracket, and both forms of bracket with a history take turns at every
 //! frame. Figures are those of all frames but the first. `speed` is naive's time over the method's. Costs by counters
-//! are relative to naive's left view. Options are `--size`, `--frames` and `--e`, the parallax at infinity in pixels of
+//! are relative to naive's left view. `flicker` is the share of pixels whose colour is naive's in exactly one of two
+//! successive frames. Options are `--size`, `--frames` and `--e`, the parallax at infinity in pixels of
 //! a picture 600 pixels wide; names select scenes: built-in ones, or folders of OBJ files.
 
-#[path = "common/mod.rs"]
+mod chart;
+#[path = "../common/mod.rs"]
 mod common;
 
 use std::{error::Error, fs, process::ExitCode};
@@ -21,6 +24,7 @@ use stereotrace::{
 };
 
 use crate::common::{
+    flicker::Flicker,
     options::size,
     provenance::Provenance,
     records::{self, Record},
@@ -114,6 +118,15 @@ struct Figures {
     right: f64,
     identical: f64,
     wrong_surface: f64,
+    /// Flicker of both views.
+    flicker: [Flicker; 2],
+}
+
+impl Figures {
+    /// Returns the mean of both views' flicker in percent.
+    fn flicker(&self) -> f64 {
+        self.flicker.iter().map(|view| 0.5 * view.percent().unwrap_or_default()).sum()
+    }
 }
 
 fn main() -> ExitCode {
@@ -132,61 +145,91 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let gpu = Gpu::new().wait()?;
     let provenance = Provenance::of(&gpu);
     println!("{provenance}\n\n{}x{}, {frames} frames after the first\n", size[0], size[1]);
-    println!("| scene | path | method | pair ms | speed | left, by counters | right | identical % | wrong surface % |");
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!(
+        "| scene | path | method | pair ms | speed | left, by counters | right | identical % | wrong surface % | flicker % |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     let mut renderer = Renderer::new(gpu);
-    let mut all = Vec::new();
+    let mut films = Vec::new();
     for name in &names {
         match scenes::load(name, size, arguments.e * size[0] as f32 / 600.0, None)? {
-            Some(scene) => all.extend(measure(&mut renderer, &scene, frames)?),
+            Some(scene) => films.extend(measure(&mut renderer, &scene, frames)?),
             None => println!("{}\n", scenes::skipped(name)),
         }
     }
-    if all.is_empty() {
+    if films.is_empty() {
         return Err("no scene was measured".into());
     }
     let folder = common::files::root().join("target").join(if quick { "bench-smoke" } else { "bench/frames" });
     fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut batch = Batch::new();
+    let all: Vec<Record> = films.iter().flat_map(|film| film.records(size)).collect();
     batch.add(folder.join("results.json"), records::json(&all).as_bytes())?;
-    println!("\nwrote {}", batch.commit()?[0].display());
+    batch.add(folder.join("frames.svg"), chart::svg(&films, size, &provenance)?.as_bytes())?;
+    for file in batch.commit()? {
+        println!("\nwrote {}", file.display());
+    }
     Ok(())
 }
 
-/// Prints the rows of a scene, and returns its records.
-fn measure(renderer: &mut Renderer, bench: &BenchScene, frames: u32) -> Result<Vec<Record>, Box<dyn Error>> {
+/// Figures of all methods for one film.
+struct Film {
+    scene: String,
+    path: &'static str,
+    figures: Vec<Figures>,
+}
+
+impl Film {
+    /// Returns the median times of the methods' pairs, in milliseconds.
+    fn times(&self) -> Vec<f64> {
+        self.figures.iter().map(|figures| Spread::of(figures.pair_ms.iter().copied()).median).collect()
+    }
+
+    fn records(&self, [width, height]: [u32; 2]) -> Vec<Record> {
+        let times = self.times();
+        let record = |((method, figures), ms): ((&'static str, &Figures), &f64)| {
+            vec![
+                ("scene", json!(self.scene)),
+                ("path", json!(self.path)),
+                ("method", json!(method)),
+                ("width", json!(width)),
+                ("height", json!(height)),
+                ("pair_ms", json!(ms)),
+                ("pair_over_naive", json!(ms / times[0])),
+                ("m_left", json!(figures.left)),
+                ("m_right", json!(figures.right)),
+                ("identical", json!(figures.identical)),
+                ("wrong_surface", json!(figures.wrong_surface)),
+                ("flicker", json!(figures.flicker())),
+            ]
+        };
+        methods().iter().map(|(method, _)| *method).zip(&self.figures).zip(&times).map(record).collect()
+    }
+}
+
+/// Renders the films of a scene, and prints their rows.
+fn measure(renderer: &mut Renderer, bench: &BenchScene, frames: u32) -> Result<Vec<Film>, Box<dyn Error>> {
     let BenchScene { name, scene, camera } = bench;
     let uploaded = renderer.upload(scene).wait()?;
-    let mut records = Vec::new();
+    let mut films = Vec::new();
     for (path_name, path) in Path::ALL {
-        let film = (0..=frames).map(|frame| path.at(*camera, frame)).collect::<Result<Vec<_>, _>>()?;
-        let figures = film_figures(renderer, &uploaded, &film)?;
-        let naive_ms = Spread::of(figures[0].pair_ms.iter().copied()).median;
-        for ((method, _), figures) in methods().into_iter().zip(figures) {
-            let Figures { pair_ms, left, right, identical, wrong_surface } = figures;
-            let ms = Spread::of(pair_ms.iter().copied()).median;
-            let speed = naive_ms / ms;
+        let cameras = (0..=frames).map(|frame| path.at(*camera, frame)).collect::<Result<Vec<_>, _>>()?;
+        let figures = film_figures(renderer, &uploaded, &cameras)?;
+        let film = Film { scene: name.clone(), path: path_name, figures };
+        let times = film.times();
+        for (((method, _), figures), ms) in methods().into_iter().zip(&film.figures).zip(&times) {
+            let Figures { left, right, identical, wrong_surface, .. } = figures;
             println!(
-                "| {} | {path_name} | {method} | {ms:.0} | {speed:.2} | {left:.3} | {right:.3} | {identical:.3} | \
-                 {wrong_surface:.3} |",
+                "| {} | {path_name} | {method} | {ms:.0} | {:.2} | {left:.3} | {right:.3} | {identical:.3} | \
+                 {wrong_surface:.3} | {:.3} |",
                 scenes::title(name),
+                times[0] / ms,
+                figures.flicker(),
             );
-            records.push(vec![
-                ("scene", json!(name)),
-                ("path", json!(path_name)),
-                ("method", json!(method)),
-                ("width", json!(camera.pose()?.size[0])),
-                ("height", json!(camera.pose()?.size[1])),
-                ("pair_ms", json!(ms)),
-                ("pair_over_naive", json!(ms / naive_ms)),
-                ("m_left", json!(left)),
-                ("m_right", json!(right)),
-                ("identical", json!(identical)),
-                ("wrong_surface", json!(wrong_surface)),
-            ]);
         }
+        films.push(film);
     }
-    Ok(records)
+    Ok(films)
 }
 
 /// Renders a film twice by all methods: for times, and with counters for work and accuracy.
@@ -218,10 +261,14 @@ fn film_figures(
                 continue;
             }
             let figures = &mut all[index];
+            let pictures = [(&pair.left, &naive.left), (&pair.right, &naive.right)];
+            for (flicker, (view, naive)) in figures.flicker.iter_mut().zip(pictures) {
+                flicker.add(&view.rgba8, &naive.rgba8);
+            }
             let eye = naive.statistics.left.cost() as f64;
             figures.left += share * pair.statistics.left.cost() as f64 / eye;
             figures.right += share * pair.statistics.right.cost() as f64 / eye;
-            for (view, naive) in [(&pair.left, &naive.left), (&pair.right, &naive.right)] {
+            for (view, naive) in pictures {
                 let difference = compare(view, naive, &pair.pose)?;
                 figures.identical += 0.5 * share * difference.identical_percent;
                 figures.wrong_surface += 0.5 * share * difference.wrong_surface_percent;
