@@ -1,8 +1,7 @@
-//! Draws the chart: how far pictures of films differ from naive's, and how much they flicker, against the cost of a pair.
+//! Draws the chart: how far pictures of films differ from naive's, and how much they flicker, against the cost of a
+//! pair.
 
 use std::error::Error;
-
-use plotters::prelude::*;
 
 use super::{Figures, Film, methods};
 use crate::common::{

@@ -146,7 +146,8 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let provenance = Provenance::of(&gpu);
     println!("{provenance}\n\n{}x{}, {frames} frames after the first\n", size[0], size[1]);
     println!(
-        "| scene | path | method | pair ms | speed | left, by counters | right | identical % | wrong surface % | flicker % |"
+        "| scene | path | method | pair ms | speed | left, by counters | right | identical % | wrong surface % | \
+         flicker % |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     let mut renderer = Renderer::new(gpu);

@@ -1,5 +1,6 @@
 // Pass 3 of 3 of `bracket`, fourth part: shades target pixels from the hits of resolve_tiles and trace_listed, with the
-// source's visibility bits, or with those of an earlier frame. It lists the pixels for which some light's bit is unknown.
+// source's visibility bits, or with those of an earlier frame. It lists the pixels for which some light's bit is
+// unknown.
 //
 // launch  one thread per block of 1x1 or 2x2 pixels of each listed tile, dispatched indirectly
 // updates view         [height * width]      color; ASKED is added to the marks

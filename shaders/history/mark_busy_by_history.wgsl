@@ -2,7 +2,7 @@
 // compared with those beside it in its row and in its column, and the tiles on both sides of its place in the view are
 // marked along the same direction.
 //
-// launch  one thread per run of WORKGROUP samples of a row. Threads of rows that the picture does not have take part too.
+// launch  one thread per run of WORKGROUP samples of a row; threads of rows below the picture take part too
 // reads   history         [height + 1, width]
 // adds    history_bounds  [tiles, BOUND_WORDS]  one bit per busy light, and from bit 16 on one per busy share
 

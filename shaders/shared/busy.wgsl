@@ -1,5 +1,5 @@
-// Busy lights: lights whose shadows are so narrow that the samples beside a point do not determine the visibility between
-// them (docs/BRACKET.md).
+// Busy lights: lights whose shadows are so narrow that the samples beside a point do not determine the visibility
+// between them (docs/BRACKET.md).
 
 //! use bits, source_samples
 
@@ -42,8 +42,8 @@ fn unlike(a: SourceSample, b: SourceSample) -> u32 {
     return select(0u, asked & (a.bits ^ b.bits), a.component == b.component);
 }
 
-// Returns whether three samples show a flat surface. They are `apart` from one to the next, at depth 1. On a flat surface
-// the reciprocals of the depths lie on a line.
+// Returns whether three samples show a flat surface. They are `apart` from one to the next, at depth 1. On a flat
+// surface the reciprocals of the depths lie on a line.
 fn is_flat(a: SourceSample, b: SourceSample, c: SourceSample, apart: f32) -> bool {
     let off = abs(b.depth / a.depth + b.depth / c.depth - 2.0);
     return a.component == b.component && c.component == b.component && off < FLAT * apart;

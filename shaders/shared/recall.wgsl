@@ -1,6 +1,6 @@
-// Visibility bits that a traced view recalls from an earlier frame (docs/BRACKET.md, "Earlier frames"). A bit is known if
-// the four samples around a point show its surface, all know the bit, and agree. Some tiles recall nothing in turn, so
-// that each bit is traced anew after a while.
+// Visibility bits that a traced view recalls from an earlier frame (docs/BRACKET.md, "Earlier frames"). A bit is known
+// if the four samples around a point show its surface, all know the bit, and agree. Some tiles recall nothing in turn,
+// so that each bit is traced anew after a while.
 
 //! use bits, dice, frame, history, lane, light, pixels, tiles
 

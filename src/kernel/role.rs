@@ -82,11 +82,13 @@ pub(crate) enum Shading {
     Listed,
     /// No hits. The kernel samples the soft lights for the hits of a view.
     Soft,
-    /// Like [`Sky`](Self::Sky), [`Reused`](Self::Reused), [`Unknown`](Self::Unknown) and
-    /// [`SoftUnknown`](Self::SoftUnknown), for a traced view that reuses bits of an earlier frame. Its samples are kept.
+    /// Like [`Sky`](Self::Sky), for a traced view that recalls bits from an earlier frame. Its samples are kept.
     RecalledSky,
+    /// Like [`Reused`](Self::Reused), for such a view.
     Recalled,
+    /// Like [`Unknown`](Self::Unknown), for such a view.
     RecalledUnknown,
+    /// Like [`SoftUnknown`](Self::SoftUnknown), for such a view.
     RecalledSoft,
     /// No hits. The kernel samples the soft lights for listed hits.
     SoftListed,
