@@ -499,6 +499,14 @@ impl Renderer {
         })
     }
 
+    /// Forgets the samples of earlier frames, which the option ``history`` keeps. The next frame depends on no other.
+    fn forget(&self, py: Python<'_>) -> PyResult<()> {
+        self.with_stage(py, |stage| {
+            stage.renderer.forget();
+            Ok(())
+        })
+    }
+
     fn __repr__(&self) -> String {
         format!("Renderer({}, {})", self.adapter, self.driver)
     }

@@ -225,6 +225,17 @@ def test_scenes_that_change_show_what_they_are(renderer):
     assert np.array_equal(after, Renderer().render(scene.copy(), camera).left.color)
 
 
+def test_a_film_has_a_history_until_it_is_forgotten(hall):
+    renderer = Renderer()
+    camera = hall.camera(size=(80, 60))
+    pairs = [renderer.render(hall, camera, method="bracket", history=64) for _ in range(2)]
+    renderer.forget()
+    pairs.append(renderer.render(hall, camera, method="bracket", history=64))
+    first, second, third = (pair.statistics["left"]["primary_rays"] for pair in pairs)
+    assert first == third == 80 * 60 > 2 * second
+    assert np.array_equal(pairs[0].left.color, pairs[2].left.color)
+
+
 def test_views_of_a_rig(renderer, hall):
     views = renderer.render_views(
         hall, hall.camera(size=(64, 48)).replace(interaxial_px=1.0), 6, outputs=["color", "depth"]

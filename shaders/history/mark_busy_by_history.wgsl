@@ -1,6 +1,6 @@
 // Marks busy lights by the samples of an earlier frame, as mark_busy.wgsl does by those of a source view. A sample is
-// compared with those beside it in its row and in its column, and the tiles on both sides of its place in the view are
-// marked along the same direction.
+// compared with those beside it in its row and in its column. Tiles on both sides of its place in the view are marked
+// along the same direction.
 //
 // launch  one thread per run of WORKGROUP samples of a row; threads of rows below the picture take part too
 // reads   history         [height + 1, width]

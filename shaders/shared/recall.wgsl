@@ -2,7 +2,7 @@
 // if the four samples around a point show its surface, all know the bit, and agree. Some tiles recall nothing in turn,
 // so that each bit is traced anew after a while.
 
-//! use bits, dice, frame, history, lane, light, pixels, tiles
+//! use bits, dice, frame, history, jitter, lane, light, pixels, tiles
 
 // One of this number of tiles recalls nothing in each frame.
 const ASKED_ANEW: u32 = 32u;
@@ -18,7 +18,8 @@ fn recalled_bits(pixels: Pixels, surfaces: Surfaces, busy: U) -> Taken {
     var ray = 0u;
     loop {
         if of_ray_b(surfaces.there, ray) && !recalls_nothing(pixel_of_ray(pixels, ray)) {
-            let around = bits_around(eye, of_ray3(surfaces.point, ray), of_ray_u(surfaces.component, ray));
+            let normal = of_ray3(surfaces.geometric_normal, ray);
+            let around = bits_around(eye, of_ray3(surfaces.point, ray), normal, of_ray_u(surfaces.component, ray));
             result.known = with_ray_u(result.known, ray, (around.bits >> 16u) & ~of_ray_u(busy, ray));
             result.lit = with_ray_u(result.lit, ray, around.bits & 0xffffu);
             if KEEP_OCCLUDERS {
@@ -43,25 +44,32 @@ struct Around {
     occluders: vec2u,
 }
 
-fn bits_around(eye: EarlierEye, point: vec3f, component: u32) -> Around {
+fn bits_around(eye: EarlierEye, point: vec3f, normal: vec3f, component: u32) -> Around {
     let nothing = Around(0u, vec2u(MISS));
     let there = point - eye.place;
+    // The earlier eye must have seen the same side of the surface.
+    if dot(there, normal) >= 0.0 { return nothing; }
     // The vector whose product with all directions to pixels is 1.
-    let normal = cross(eye.step_x, eye.step_y);
-    let forward = normal / dot(normal, eye.corner);
+    let across = cross(eye.step_x, eye.step_y);
+    let forward = across / dot(across, eye.corner);
     let depth = dot(there, forward);
     if !(depth > 0.0) { return nothing; }
     let aside = there / depth - eye.corner;
     let x = dot(aside, eye.step_x) / dot(eye.step_x, eye.step_x) - 0.5;
     let y = dot(aside, eye.step_y) / dot(eye.step_y, eye.step_y) - 0.5;
     let size = vec2f(history_size());
-    if !(x >= 0.0 && y >= 0.0 && x + 1.0 < size.x && y + 1.0 < size.y) { return nothing; }
-    let first = vec2u(vec2f(x, y));
-    let way = vec2f(x, y) - vec2f(first);
-    let a = textureLoad(history, first, 0);
-    let b = textureLoad(history, first + vec2u(1u, 0u), 0);
-    let c = textureLoad(history, first + vec2u(0u, 1u), 0);
-    let d = textureLoad(history, first + vec2u(1u, 1u), 0);
+    if !(y >= 0.0 && y + 1.0 < size.y) { return nothing; }
+    let row = u32(y);
+    // Samples of a row are offset from the centres of their pixels.
+    let columns = vec2f(x) - vec2f(row_offset(row), row_offset(row + 1u));
+    if !(all(columns >= vec2f(0.0)) && all(columns + 1.0 < vec2f(size.x))) { return nothing; }
+    let upper = vec2u(u32(columns.x), row);
+    let lower = vec2u(u32(columns.y), row + 1u);
+    let way = vec3f(fract(columns), fract(y));
+    let a = textureLoad(history, upper, 0);
+    let b = textureLoad(history, upper + vec2u(1u, 0u), 0);
+    let c = textureLoad(history, lower, 0);
+    let d = textureLoad(history, lower + vec2u(1u, 0u), 0);
     let depths = bitcast<vec4f>(vec4u(a.x, b.x, c.x, d.x));
     let differ = vec4u(a.z, b.z, c.z, d.z) != vec4u(component);
     let steepest = STEEPEST * length(eye.step_x);
@@ -70,7 +78,14 @@ fn bits_around(eye: EarlierEye, point: vec3f, component: u32) -> Around {
     let known = ((a.w & b.w & c.w & d.w) >> 16u) & ~((a.w ^ b.w) | (a.w ^ c.w) | (a.w ^ d.w)) & 0xffffu;
     let bits = (known << 16u) | (a.w & known);
     // Reciprocals of depths are linear on a plane.
-    let nearness = mix(mix(1.0 / depths.x, 1.0 / depths.y, way.x), mix(1.0 / depths.z, 1.0 / depths.w, way.x), way.y);
+    let nearness = mix(mix(1.0 / depths.x, 1.0 / depths.y, way.x), mix(1.0 / depths.z, 1.0 / depths.w, way.y), way.z);
     let in_groove = depth * nearness - 1.0 > GROOVE_OF_STEEPEST * steepest;
     return Around(select(bits, bits & ~(bits << 16u), in_groove), vec2u(a.y, d.y));
 }
+
+//! if jitter is none
+fn row_offset(row: u32) -> f32 { return 0.0; }
+
+//! if jitter is rows
+// Returns the offset of a row's samples. It is the same in both frames, since bits are recalled for one seed only.
+fn row_offset(row: u32) -> f32 { return of_ray(sample_aside(U(row)), 0u); }

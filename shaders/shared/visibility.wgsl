@@ -162,7 +162,8 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let bit = light_mask(light);
     if (of_ray_u(taken.known, ray) & bit) == 0u { return -1.0; }
     let open = select(0.0, 1.0, (of_ray_u(taken.lit, ray) & bit) != 0u);
-    record_share(light, slot, ray, open, 1.0);
+    // A share that several rays sample is recalled once. If it were recalled again, all would become 0 or 1 in time.
+    if count == 1u { record_share(light, slot, ray, open, 1.0); }
     return open;
 }
 

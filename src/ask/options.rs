@@ -66,7 +66,7 @@ pub struct Options {
     /// Answer shadow queries to point lights by shadow-buffers; with `None`, the default, shadow rays are traced.
     pub shadow_buffer: Option<ShadowBuffer>,
     /// Memory for samples of earlier frames, in MiB; `None` by default. The next frame of the same scene and size finds
-    /// its first hits by them ([`Options::history`]).
+    /// its first hits and the visibility of lights by them ([`Options::history`]).
     pub history: Option<u32>,
     /// Which of several passes the frame is ([`Passes`](crate::Passes)).
     pub(crate) pass: Pass,
@@ -326,11 +326,11 @@ impl Options {
         self
     }
 
-    /// Returns whether a frame may depend on earlier frames, by [`Options::history`]. A film by blocks, each of which
-    /// begins with [`Renderer::forget`](crate::Renderer::forget), shows the same when a block is rendered alone.
+    /// Returns whether a frame may depend on earlier frames, by [`Options::history`]. The next frame after
+    /// [`Renderer::forget`](crate::Renderer::forget) depends on none.
     pub fn has_history(&self) -> bool {
         let by_bracket = matches!(self.method, Method::Bracket(_) | Method::Auto);
-        self.history.is_some() && by_bracket && self.adaptive.is_none() && self.visibility == Visibility::Rays
+        self.history.is_some() && by_bracket && self.adaptive.is_none()
     }
 
     /// Sets the number of samples per pixel: 1, 4, 9, 16, 25, 36, 49 or 64. Frames with any other number are errors.

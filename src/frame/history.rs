@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::executor::{Held, Resources};
 use crate::{
     AmbientOcclusion, Error, Lighting, Method, Options, Penumbra, ShadowBuffer,
+    ask::options::Pass,
     gpu::{Gpu, Texel},
     kernel::{Resource, layout},
 };
@@ -37,6 +38,8 @@ pub(crate) struct Lit {
     state: u64,
     method: Method,
     lighting: Lighting,
+    seed: u32,
+    pass: Pass,
     shadow_rays: u32,
     ambient_occlusion: Option<AmbientOcclusion>,
     sky_rays: Option<u32>,
@@ -50,6 +53,8 @@ impl Lit {
             state,
             method: options.method,
             lighting: options.lighting,
+            seed: options.seed,
+            pass: options.pass,
             shadow_rays: options.shadow_rays,
             ambient_occlusion: options.ambient_occlusion,
             sky_rays: options.sky_rays,

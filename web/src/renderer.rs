@@ -157,6 +157,13 @@ impl Renderer {
         self.with_scene(&scene.shared, async |_: &mut stereotrace::Renderer, _: &UploadedScene| Ok(())).await
     }
 
+    /// Forgets the samples of earlier frames, which the option `history` keeps. The next frame depends on no other.
+    pub async fn forget(&self) {
+        if let Some(device) = self.device.lock().await.as_mut() {
+            device.renderer.forget();
+        }
+    }
+
     /// Number of times that the device was lost.
     #[wasm_bindgen(getter, js_name = devicesLost)]
     pub fn devices_lost(&self) -> u32 {

@@ -28,8 +28,8 @@ use crate::{
 const RECORD: &str = "sequence.json";
 /// Number of pictures of the default motion, an orbit.
 const ORBIT: u32 = 72;
-/// Number of consecutive pictures that a history spans. Then it begins anew, so a run that goes on in the middle of a
-/// film renders few pictures again, and several machines can share a film by blocks.
+/// Number of consecutive pictures that a history spans. Then it begins anew. A run that goes on in the middle of a film
+/// renders few pictures again, and several machines can share a film by blocks.
 const BLOCK: u32 = 16;
 /// Memory for samples of earlier pictures in MiB, unless `--history` is given.
 const HISTORY: u32 = 1024;
@@ -91,6 +91,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
             return Err(interrupted().into());
         }
         for earlier in earlier_in_block(&stage.options, frame, last) {
+            if stop.is_asked_for() {
+                return Err(interrupted().into());
+            }
             picture(&mut stage, &motion, earlier, &mut progress)?;
         }
         let pair = picture(&mut stage, &motion, frame, &mut progress)?;
