@@ -52,10 +52,28 @@ fn peak_growth(work: impl FnOnce()) -> u64 {
     (status("VmHWM:") - before) / 1024
 }
 
+/// Runs a test of this file in a process of its own, since other tests change the memory of this one. Returns whether
+/// this is that process.
+fn is_alone(test: &str) -> bool {
+    const ALONE: &str = "STEREOTRACE_TEST_ALONE";
+    if std::env::var_os(ALONE).is_some() {
+        return true;
+    }
+    let name = format!("files::{test}");
+    let child = Command::new(std::env::current_exe().unwrap()).args([&name, "--exact"]).env(ALONE, "1").output();
+    let output = child.unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && said.contains("1 passed"), "{said}");
+    false
+}
+
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n";
 
 #[test]
 fn a_long_name_over_many_changes_of_normals_takes_no_memory_of_its_own() {
+    if !is_alone("a_long_name_over_many_changes_of_normals_takes_no_memory_of_its_own") {
+        return;
+    }
     let folder = Folder::new("sections");
     let faces = "f 1 2 3\nf 1//1 2//1 3//1\n".repeat(4000);
     let obj = folder.write("scene.obj", format!("o {}\n{TRIANGLE}{faces}", "n".repeat(100_000)));
@@ -66,6 +84,9 @@ fn a_long_name_over_many_changes_of_normals_takes_no_memory_of_its_own() {
 
 #[test]
 fn a_library_that_is_named_often_is_read_once() {
+    if !is_alone("a_library_that_is_named_often_is_read_once") {
+        return;
+    }
     let folder = Folder::new("libraries");
     let materials: String = (0..10_000).map(|index| format!("newmtl m{index}\nKd 0.5 0.5 0.5\n")).collect();
     let mtl = folder.write("m.mtl", materials);
@@ -148,6 +169,9 @@ fn picture(folder: &Folder, width: u32, height: u32) -> PathBuf {
 fn a_sky_takes_at_most_16_bytes_a_pixel_and_one_over_the_limit_none() {
     use stereotrace::SkyMap;
 
+    if !is_alone("a_sky_takes_at_most_16_bytes_a_pixel_and_one_over_the_limit_none") {
+        return;
+    }
     let folder = Folder::new("sky");
     let path = picture(&folder, 4096, 2048);
     let mib = peak_growth(|| assert_eq!(SkyMap::open(&path).unwrap().size(), [4096, 2048]));
@@ -173,6 +197,9 @@ fn a_sky_takes_at_most_16_bytes_a_pixel_and_one_over_the_limit_none() {
 fn a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_software_adapter() {
     use stereotrace::{Gpu, Renderer, Sky, SkyMap, glam::Vec3};
 
+    if !is_alone("a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_software_adapter") {
+        return;
+    }
     let _alone = Folder::new("upload");
     let gpu = Gpu::open(std::env::var("STEREOTRACE_ADAPTER").unwrap_or("software".into())).wait().unwrap();
     let renderer = Renderer::new(gpu);
