@@ -4,8 +4,8 @@
 //! Each film moves the camera on a path. Naive, bracket, and both forms of bracket with a history take turns at every
 //! frame. Figures are those of all frames but the first. `speed` is naive's time over the method's. Costs by counters
 //! are relative to naive's left view. `flicker` is the share of pixels whose colour is naive's in exactly one of two
-//! successive frames. Options are `--size`, `--frames` and `--e`, the parallax at infinity in pixels of
-//! a picture 600 pixels wide; names select scenes: built-in ones, or folders of OBJ files.
+//! successive frames. Options are `--size`, `--frames` and `--e`, the parallax at infinity in pixels of a picture 600
+//! pixels wide. Names select scenes: built-in ones, or folders of OBJ files.
 
 mod chart;
 #[path = "../common/mod.rs"]
@@ -84,8 +84,8 @@ impl Path {
         let turned = |vector: DVec3, degrees: f64| DQuat::from_axis_angle(up, degrees.to_radians()) * vector;
         let frame = f64::from(frame);
         Ok(match self {
-            Self::Orbit => camera.eye(target + turned(eye - target, 0.5 * frame)),
-            Self::Cut => camera.eye(target + turned(eye - target, 0.5 * frame + 40.0 * (frame / 4.0).floor())),
+            Self::Orbit => camera.orbited((0.5 * frame).to_radians() as f32),
+            Self::Cut => camera.orbited((0.5 * frame + 40.0 * (frame / 4.0).floor()).to_radians() as f32),
             Self::Walk => {
                 let step = (target - eye) * (0.02 * frame);
                 camera.eye(eye + step).target(target + step)

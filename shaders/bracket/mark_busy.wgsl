@@ -28,8 +28,7 @@ fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
         if busy_lights(samples).all != 0u { busy_columns |= 1u << (column - begin); }
         column += 1u;
         if column >= end { break; }
-        let next = sample_in_row(row, column, 2);
-        samples = Neighbourhood(samples.before, samples.here, samples.after, samples.far_after, next);
+        samples = moved_on(samples, sample_in_row(row, column, 2));
     }
     loop {
         if busy_columns == 0u { break; }

@@ -30,8 +30,7 @@ fn mark_run(begin: vec2u, step: vec2u) {
         if busy_lights(samples).all != 0u { busy |= 1u << index; }
         index += 1u;
         if index >= WORKGROUP { break; }
-        let next = earlier_sample(vec2i(begin + (index + 2u) * step));
-        samples = Neighbourhood(samples.before, samples.here, samples.after, samples.far_after, next);
+        samples = moved_on(samples, earlier_sample(vec2i(begin + (index + 2u) * step)));
     }
     loop {
         if busy == 0u { break; }

@@ -26,6 +26,10 @@ const SHARE_BITS: u32 = 5u;
 const ALL_OPEN: u32 = 30u;
 const UNASKED: u32 = 31u;
 
+// Minimum depth of a groove, as a share of the tolerated difference of parallax or depth. It is 1/128 pixel for a
+// tolerance of 0.75 pixels.
+const GROOVE: f32 = 1.0 / 96.0;
+
 fn light_mask(light: u32) -> u32 {
     return select(0u, 1u << (light & 15u), light < 16u);
 }
@@ -169,10 +173,6 @@ fn busy_near(pixel: vec2u) -> u32 {
 // With `two`, the source samples on both sides of the point must agree. If the point lies in a groove, below the line
 // between the two samples, a light may be hidden although both samples see it. In grooves, the bits of visible lights
 // therefore count as unknown.
-
-// Minimum depth of a groove, as a share of the tolerated parallax difference. It is 1/128 pixel for a tolerance of 0.75
-// pixels.
-const GROOVE: f32 = 1.0 / 96.0;
 
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
     let before = sample_of(at.source, at.first);

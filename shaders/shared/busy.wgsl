@@ -21,6 +21,11 @@ struct Neighbourhood {
     far_after: SourceSample,
 }
 
+// Returns the neighbourhood of the sample after this one. `next` becomes its last sample.
+fn moved_on(s: Neighbourhood, next: SourceSample) -> Neighbourhood {
+    return Neighbourhood(s.before, s.here, s.after, s.far_after, next);
+}
+
 // The lights for which a sample is busy, and the subset whose shadow contains the sample.
 struct Busy {
     all: u32,

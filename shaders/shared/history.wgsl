@@ -41,7 +41,10 @@ fn landed_of(eye: EarlierEye, pixel: vec2u) -> Landed {
     let ahead = dot(there, frame.eyes.forward);
     if !(ahead > 0.0) || depth <= 0.0 { return Landed(vec2f(0.0), 0.0); }
     let aside = there / ahead - frame.eyes.target_corner;
-    let x = dot(aside, frame.eyes.step_x) / dot(frame.eyes.step_x, frame.eyes.step_x);
-    let y = dot(aside, frame.eyes.step_y) / dot(frame.eyes.step_y, frame.eyes.step_y);
-    return Landed(vec2f(x, y), select(ahead, FAR, is_sky));
+    return Landed(in_steps_of(aside, frame.eyes.step_x, frame.eyes.step_y), select(ahead, FAR, is_sky));
+}
+
+// Returns the column and row of a place on an eye's screen, given from the picture's corner, in pixels.
+fn in_steps_of(aside: vec3f, step_x: vec3f, step_y: vec3f) -> vec2f {
+    return vec2f(dot(aside, step_x) / dot(step_x, step_x), dot(aside, step_y) / dot(step_y, step_y));
 }

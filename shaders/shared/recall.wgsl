@@ -6,11 +6,6 @@
 
 // One of this number of tiles recalls nothing in each frame.
 const ASKED_ANEW: u32 = 32u;
-// Largest difference of a sample's depth from a point's, as a share of the depth, over a pixel's width at depth 1
-// (`STEEPEST` of src/frame/eyes.rs).
-const STEEPEST: f32 = 36.0;
-// Minimum depth of a groove below the surface through the samples, as a share of that difference (bits.wgsl).
-const GROOVE_OF_STEEPEST: f32 = 1.0 / 96.0;
 
 fn recalled_bits(pixels: Pixels, surfaces: Surfaces, busy: U) -> Taken {
     var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0), busy);
@@ -55,23 +50,23 @@ fn bits_around(eye: EarlierEye, point: vec3f, normal: vec3f, component: u32) -> 
     let depth = dot(there, forward);
     if !(depth > 0.0) { return nothing; }
     let aside = there / depth - eye.corner;
-    let x = dot(aside, eye.step_x) / dot(eye.step_x, eye.step_x) - 0.5;
-    let y = dot(aside, eye.step_y) / dot(eye.step_y, eye.step_y) - 0.5;
+    let place = in_steps_of(aside, eye.step_x, eye.step_y) - 0.5;
     let size = vec2f(history_size());
-    if !(y >= 0.0 && y + 1.0 < size.y) { return nothing; }
-    let row = u32(y);
+    if !(place.y >= 0.0 && place.y + 1.0 < size.y) { return nothing; }
+    let row = u32(place.y);
     // Samples of a row are offset from the centres of their pixels.
-    let columns = vec2f(x) - vec2f(row_offset(row), row_offset(row + 1u));
+    let columns = vec2f(place.x) - vec2f(row_offset(row), row_offset(row + 1u));
     if !(all(columns >= vec2f(0.0)) && all(columns + 1.0 < vec2f(size.x))) { return nothing; }
     let upper = vec2u(u32(columns.x), row);
     let lower = vec2u(u32(columns.y), row + 1u);
-    let way = vec3f(fract(columns), fract(y));
+    let way = vec3f(fract(columns), fract(place.y));
     let a = textureLoad(history, upper, 0);
     let b = textureLoad(history, upper + vec2u(1u, 0u), 0);
     let c = textureLoad(history, lower, 0);
     let d = textureLoad(history, lower + vec2u(1u, 0u), 0);
     let depths = bitcast<vec4f>(vec4u(a.x, b.x, c.x, d.x));
     let differ = vec4u(a.z, b.z, c.z, d.z) != vec4u(component);
+    // Largest difference of a sample's depth from the point's, as a share of the depth.
     let steepest = STEEPEST * length(eye.step_x);
     let apart = abs(depth / depths - 1.0);
     if any(differ) || !all(apart <= vec4f(steepest)) { return nothing; }
@@ -79,7 +74,7 @@ fn bits_around(eye: EarlierEye, point: vec3f, normal: vec3f, component: u32) -> 
     let bits = (known << 16u) | (a.w & known);
     // Reciprocals of depths are linear on a plane.
     let nearness = mix(mix(1.0 / depths.x, 1.0 / depths.y, way.x), mix(1.0 / depths.z, 1.0 / depths.w, way.y), way.z);
-    let in_groove = depth * nearness - 1.0 > GROOVE_OF_STEEPEST * steepest;
+    let in_groove = depth * nearness - 1.0 > GROOVE * steepest;
     return Around(select(bits, bits & ~(bits << 16u), in_groove), vec2u(a.y, d.y));
 }
 

@@ -135,8 +135,7 @@ fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
 //! if visibility is recalled_or_traced
 // Queries an earlier frame's samples around these points.
 fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
-    taken = recalled_bits(pixels, surfaces, busy_at(pixels));
-    if KEEP_BITS { found_occluders = taken.occluders_a; }
+    recall(pixels, surfaces, busy_at(pixels));
 }
 
 //! if visibility is taken
@@ -148,14 +147,18 @@ fn ask_source_in_tile(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
 
 //! if visibility is recalled
 fn ask_source_in_tile(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
-    taken = recalled_bits(pixels, surfaces, U(busy_near(pixel_of_ray(pixels, 0u))));
-    if KEEP_BITS { found_occluders = taken.occluders_a; }
+    recall(pixels, surfaces, U(busy_near(pixel_of_ray(pixels, 0u))));
 }
 
 //! if visibility is taken or taken_or_traced or recalled or recalled_or_traced
 var<private> taken: Taken;
 
 //! if visibility is recalled or recalled_or_traced
+fn recall(pixels: Pixels, surfaces: Surfaces, busy: U) {
+    taken = recalled_bits(pixels, surfaces, busy);
+    if KEEP_BITS { found_occluders = taken.occluders_a; }
+}
+
 // Returns a source's share if all of its rays or none of them arrived at the samples around a point, or -1.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     if KEEP_SHARES && slot < SHARES && (of_ray_u(taken.busy, ray) & (1u << (16u + slot))) != 0u { return -1.0; }

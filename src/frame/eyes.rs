@@ -54,10 +54,6 @@ fn pixel_side(pose: &Pose) -> f32 {
     if (y / x - 1.0).abs() < 1e-6 { 1.0 } else { (y / x).sqrt() as f32 }
 }
 
-/// Maximum slope of a surface for a sample and a neighbouring point to count as connected. The slope is depth per
-/// width, in pixels of their size on the screen. It corresponds to an angle of 88.4 degrees at the screen, a larger
-/// angle in front of it, and a smaller one beyond it.
-const STEEPEST: f32 = 36.0;
 const MOST_PARALLAX: f32 = 0.75;
 
 /// Returns the limit `STEEPEST` as a difference of parallaxes in pixels, at the camera's subject. `apart` is the
@@ -65,7 +61,7 @@ const MOST_PARALLAX: f32 = 0.75;
 /// pixels, neighbours are half as far apart, and a pixel of parallax corresponds to half as much depth. The limit
 /// reaches its maximum, 0.75, for eyes 15 pixels of 600 apart and 45 degrees of view.
 pub(crate) fn same_parallax(pose: &Pose, apart: f32) -> f32 {
-    MOST_PARALLAX.min(STEEPEST * (apart * pose.interaxial).abs() / pose.subject_distance)
+    MOST_PARALLAX.min(layout::STEEPEST * (apart * pose.interaxial).abs() / pose.subject_distance)
 }
 
 /// Returns the guard band of a tile's search, in pixels. It is four times the rounding of directions in the picture's

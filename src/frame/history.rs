@@ -4,8 +4,7 @@ use glam::DVec3;
 
 use super::executor::{Held, Resources};
 use crate::{
-    AmbientOcclusion, Error, Lighting, Method, Options, Penumbra, ShadowBuffer,
-    ask::options::Pass,
+    Error, Options,
     gpu::{Gpu, Texel},
     kernel::{Resource, layout},
 };
@@ -25,41 +24,26 @@ pub(crate) struct History {
     samples: [wgpu::TextureView; 2],
     /// Bound and busy lights of each tile of the current view.
     bounds: wgpu::Buffer,
-    /// What the earlier frame's bits depend on, or `None` before the first frame.
+    /// State of the scene and options with which the earlier frame was rendered; `None` before the first frame.
     lit: Option<Lit>,
     /// Number of frames so far.
     frames: u32,
 }
 
-/// What visibility bits depend on: the state of the scene ([`UploadedScene`](crate::UploadedScene)), and how its lights
-/// are sampled.
+/// What visibility bits depend on: the state of the scene ([`UploadedScene`](crate::UploadedScene)), and all options
+/// but those of counting, display and memory.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Lit {
     state: u64,
-    method: Method,
-    lighting: Lighting,
-    seed: u32,
-    pass: Pass,
-    shadow_rays: u32,
-    ambient_occlusion: Option<AmbientOcclusion>,
-    sky_rays: Option<u32>,
-    penumbra: Penumbra,
-    shadow_buffer: Option<ShadowBuffer>,
+    options: Options,
 }
 
 impl Lit {
     pub(crate) fn of(state: u64, options: &Options) -> Self {
+        let Options { count, cost_map, g_buffer, linear, exposure, tone, history, .. } = Options::default();
         Self {
             state,
-            method: options.method,
-            lighting: options.lighting,
-            seed: options.seed,
-            pass: options.pass,
-            shadow_rays: options.shadow_rays,
-            ambient_occlusion: options.ambient_occlusion,
-            sky_rays: options.sky_rays,
-            penumbra: options.penumbra,
-            shadow_buffer: options.shadow_buffer,
+            options: Options { count, cost_map, g_buffer, linear, exposure, tone, history, ..options.clone() },
         }
     }
 }

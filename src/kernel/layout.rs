@@ -294,3 +294,8 @@ pub(crate) const PACKED_COLOR: u32 = 0x00ff_ffff;
 /// A triangle counts as large for a point if the point's distance to its plane is less than its longest edge divided by
 /// `LARGE`. The kernels have the same constant.
 pub(crate) const LARGE: f32 = 64.0;
+
+/// Maximum slope of a surface for a sample and a neighbouring point to count as connected. The slope is depth per
+/// width, in pixels of their size on the screen. It corresponds to an angle of 88.4 degrees at the screen, a larger
+/// angle in front of it, and a smaller one beyond it.
+pub(crate) const STEEPEST: f32 = 36.0;

@@ -82,6 +82,10 @@ pub(crate) enum Shading {
     Listed,
     /// No hits. The kernel samples the soft lights for the hits of a view.
     Soft,
+    /// No hits. The kernel samples the soft lights for listed hits.
+    SoftListed,
+    /// No hits. The kernel samples the soft lights for hits for which the visible share of a soft light is unknown.
+    SoftUnknown,
     /// Like [`Sky`](Self::Sky), for a traced view that recalls bits from an earlier frame. Its samples are kept.
     RecalledSky,
     /// Like [`Reused`](Self::Reused), for such a view.
@@ -90,10 +94,6 @@ pub(crate) enum Shading {
     RecalledUnknown,
     /// Like [`SoftUnknown`](Self::SoftUnknown), for such a view.
     RecalledSoft,
-    /// No hits. The kernel samples the soft lights for listed hits.
-    SoftListed,
-    /// No hits. The kernel samples the soft lights for hits for which the visible share of a soft light is unknown.
-    SoftUnknown,
     /// No hits. The kernel lists hits on surfaces that reflect or transmit rays.
     ListMirrors,
     /// Hits of secondary rays, which surfaces reflect or transmit.

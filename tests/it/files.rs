@@ -5,22 +5,18 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::Command,
-    sync::{Mutex, MutexGuard, PoisonError},
 };
 
 use stereotrace::{Error, Limits, Scene, blocking::Wait};
 
-/// A folder for one test, removed when the test is over. Tests of this file run one at a time, since they measure
-/// memory.
-struct Folder(PathBuf, #[expect(dead_code, reason = "held, not read")] MutexGuard<'static, ()>);
+/// A folder for one test, removed when the test is over.
+struct Folder(PathBuf);
 
 impl Folder {
     fn new(test: &str) -> Self {
-        static ALONE: Mutex<()> = Mutex::new(());
-        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let path = std::env::temp_dir().join(format!("stereotrace_files_{}_{test}", std::process::id()));
         fs::create_dir_all(&path).unwrap();
-        Self(path, alone)
+        Self(path)
     }
 
     fn file(&self, name: &str) -> PathBuf {
@@ -200,7 +196,6 @@ fn a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_softwar
     if !is_alone("a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_software_adapter") {
         return;
     }
-    let _alone = Folder::new("upload");
     let gpu = Gpu::open(std::env::var("STEREOTRACE_ADAPTER").unwrap_or("software".into())).wait().unwrap();
     let renderer = Renderer::new(gpu);
     let mut scene = Scene::new();

@@ -137,13 +137,6 @@ fn differing(pair: &StereoPair, naive: &StereoPair) -> [f64; 2] {
     })
 }
 
-/// Returns the camera of a frame that orbits its target by half a degree a frame.
-fn orbit(camera: StereoCamera, frame: u32) -> StereoCamera {
-    let to_eye = camera.pose().unwrap().eye - camera.target_position();
-    let turn = DQuat::from_axis_angle(camera.up_direction().as_dvec3(), (0.5 * f64::from(frame)).to_radians());
-    camera.eye(camera.target_position() + turn * to_eye)
-}
-
 /// Visibility bits are recalled from frame to frame. Their errors neither grow nor spread.
 #[test]
 fn recalled_visibility_does_not_drift() {
@@ -156,7 +149,7 @@ fn recalled_visibility_does_not_drift() {
         let mut wrong = Vec::new();
         let mut shares = Vec::new();
         for frame in 0..frames {
-            let camera = orbit(camera, frame);
+            let camera = camera.orbited((0.5 * frame as f32).to_radians());
             let mut pair =
                 |options: Options| renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
             let naive = pair(Options::new(Method::Naive));
@@ -211,6 +204,9 @@ fn changes_forget_visibility() {
     assert!(asked == all && same, "an object moved: {asked} of {all} rays");
     let (asked, all, same) = shadow_rays(&mut renderer, &uploaded, &Options::new(Method::BRACKET_RAYS));
     assert!(asked == all && same, "another method: {asked} of {all} rays");
+    shadow_rays(&mut renderer, &uploaded, &options.clone().samples(4));
+    let (asked, all, same) = shadow_rays(&mut renderer, &uploaded, &options.samples(4).jitter(false));
+    assert!(asked == all && same, "samples at other places: {asked} of {all} rays");
 }
 
 /// Whatever moves between frames, hits are found by each pixel's own ray.

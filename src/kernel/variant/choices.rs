@@ -3,7 +3,7 @@
 use super::{Shadows, SkyKind, SoftRole, TexelPlaces, Variant, light_texels, material_texels};
 use crate::{
     ShadowReuse,
-    kernel::layout::LARGE,
+    kernel::layout::{LARGE, STEEPEST},
     kernel::traversal::{Boxes, Fetch, RaysPerLane},
     kernel::wgsl::{self, Choice, Linked},
     kernel::{Canvas, Dispatches, Does, Kernel, Role, SampleUse, Visible},
@@ -169,6 +169,7 @@ impl Kernel {
             flag("KEEP_BITS", with.sample_use(self.role) == SampleUse::Written),
             flag("CLOSE", with.close),
             ("LARGE", "f32", format!("{LARGE:?}")),
+            ("STEEPEST", "f32", format!("{STEEPEST:?}")),
             flag("SHINE", shine),
             flag("FACETS", shine && with.paths),
             number("MATERIAL_TEXELS", material_texels(with.shine || with.mirrors, with.principled, with.coats) as u32),
