@@ -2,7 +2,9 @@
 
 //! use frame, pixels
 
-// Samples like those of source_samples.wgsl. The row after the last one begins with the eye of the earlier frame.
+// Samples like those of source_samples.wgsl. The row after the last one begins with the eye of the earlier frame, one
+// vector a texel. Boxes around objects that have moved since follow, two texels each. w of the first three texels holds
+// the number of the frame, the lights whose bits hold, and the number of boxes.
 var history: texture_2d<u32>;
 
 // The eye of the earlier frame: its position, and directions to the picture's top left corner and from a pixel to its
@@ -22,8 +24,10 @@ fn eye_word(index: u32) -> vec3f {
     return bitcast<vec3f>(textureLoad(history, vec2u(index, history_size().y), 0).xyz);
 }
 
+fn eye_tag(index: u32) -> u32 { return textureLoad(history, vec2u(index, history_size().y), 0).w; }
+
 // Returns the number of the earlier frame in its film.
-fn earlier_frame() -> u32 { return textureLoad(history, vec2u(0u, history_size().y), 0).w; }
+fn earlier_frame() -> u32 { return eye_tag(0u); }
 
 // Where a sample lands in the current view: column and row in pixels, and depth; 0 behind the eye.
 struct Landed {

@@ -2,7 +2,7 @@
 // if the four samples around a point show its surface, all know the bit, and agree. Some tiles recall nothing in turn,
 // so that each bit is traced anew after a while.
 
-//! use bits, dice, frame, history, jitter, lane, light, pixels, tiles
+//! use aims, bits, dice, fetch, frame, history, jitter, lane, light, pixels, table, tiles
 
 // One of this number of tiles recalls nothing in each frame.
 const ASKED_ANEW: u32 = 32u;
@@ -14,8 +14,10 @@ fn recalled_bits(pixels: Pixels, surfaces: Surfaces, busy: U) -> Taken {
     loop {
         if of_ray_b(surfaces.there, ray) && !recalls_nothing(pixel_of_ray(pixels, ray)) {
             let normal = of_ray3(surfaces.geometric_normal, ray);
-            let around = bits_around(eye, of_ray3(surfaces.point, ray), normal, of_ray_u(surfaces.component, ray));
-            result.known = with_ray_u(result.known, ray, (around.bits >> 16u) & ~of_ray_u(busy, ray));
+            let point = of_ray3(surfaces.point, ray);
+            let around = bits_around(eye, point, normal, of_ray_u(surfaces.component, ray));
+            let known = holding(eye, (around.bits >> 16u) & ~of_ray_u(busy, ray), point);
+            result.known = with_ray_u(result.known, ray, known);
             result.lit = with_ray_u(result.lit, ray, around.bits & 0xffffu);
             if KEEP_OCCLUDERS {
                 result.occluders_a = with_ray_u(result.occluders_a, ray, around.occluders.x);
@@ -27,6 +29,59 @@ fn recalled_bits(pixels: Pixels, surfaces: Surfaces, busy: U) -> Taken {
     }
     return result;
 }
+
+// Boxes around moved objects are widened by this number of pixels, measured at the point's distance from the old eye.
+const WIDENED: f32 = 2.0;
+
+// Returns the lights, among these, whose bits hold: nothing that moved can have hidden the point from them, or hides it
+// now. The points that a box hides from a point light are convex. So if the box hides all samples around the point, it
+// hides the point.
+fn holding(eye: EarlierEye, lights: u32, point: vec3f) -> u32 {
+    var hold = lights & eye_tag(1u);
+    let boxes = eye_tag(2u);
+    var left = select(0u, hold, boxes > 0u);
+    let margin = WIDENED * length(eye.step_x) * length(point - eye.place);
+    loop {
+        if left == 0u { break; }
+        let light = firstTrailingBit(left);
+        left &= left - 1u;
+        if meets_moved(point, light, margin, boxes) { hold &= ~(1u << light); }
+    }
+    return hold;
+}
+
+// Returns whether rays from a light to a point meet one of the boxes around moved objects.
+fn meets_moved(point: vec3f, light: u32, margin: f32, boxes: u32) -> bool {
+    let first = LIGHTS + LIGHT_TEXELS * light;
+    let kind = table_texel(first).w;
+    let place = shading_vector(first);
+    let straight = select(place - point, place, kind == SUN);
+    let way = select(straight, vec3f(1e-30), abs(straight) < vec3f(1e-30));
+    let end = select(1.0, FAR, kind == SUN);
+    let size = bitcast<f32>(table_texel(first + 1u).w);
+    var index = 0u;
+    loop {
+        let low = moved_corner(2u * index);
+        let high = moved_corner(2u * index + 1u);
+        // Rays to an extended light are at most this far from the ray to its centre.
+        var spread = 0.0;
+        if kind == SPHERE { spread = disc_of(light, kind, size, straight); }
+        if kind == RECTANGLE { spread = length(shading_vector(first + 2u)) + length(shading_vector(first + 3u)); }
+        if kind == SUN { spread = size * (length(0.5 * (low + high) - point) + 0.5 * length(high - low)); }
+        let a = (low - point - (margin + spread)) / way;
+        let b = (high - point + (margin + spread)) / way;
+        let nearer = min(a, b);
+        let farther = max(a, b);
+        let enters = max(max(nearer.x, nearer.y), max(nearer.z, 0.0));
+        if enters <= min(min(farther.x, farther.y), min(farther.z, end)) { return true; }
+        index += 1u;
+        if index >= boxes { break; }
+    }
+    return false;
+}
+
+// Returns a corner of a box; a box has two.
+fn moved_corner(index: u32) -> vec3f { return eye_word(4u + index); }
 
 fn recalls_nothing(pixel: vec2u) -> bool {
     let tile = vec2u(pixel.x, pixel.y + frame.band.first_row) / TILE;

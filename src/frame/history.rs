@@ -1,16 +1,22 @@
 //! Keeps the samples of a frame's traced view, and the position of its eye, for the next frame.
 
-use glam::DVec3;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
 
 use super::executor::{Held, Resources};
 use crate::{
     Error, Options,
     gpu::{Gpu, Texel},
     kernel::{Resource, layout},
+    scene::shadowing::{Kept, Shadowing},
 };
 
-/// Texels of an eye at the begin of the samples' last row (`EarlierEye` of `bound_by_history.wgsl`).
+/// Number of texels of an eye at the begin of the samples' last row, and of a box after it (`history.wgsl`).
 const EYE_TEXELS: u32 = 4;
+const BOX_TEXELS: u32 = 2;
+/// Maximum number of boxes of moved objects.
+const MOST_BOXES: u32 = 16;
 
 /// The scene that a history belongs to: its number, and its origin in world coordinates.
 pub(crate) type SceneId = (u64, DVec3);
@@ -24,25 +30,31 @@ pub(crate) struct History {
     samples: [wgpu::TextureView; 2],
     /// Bound and busy lights of each tile of the current view.
     bounds: wgpu::Buffer,
-    /// State of the scene and options with which the earlier frame was rendered; `None` before the first frame.
-    lit: Option<Lit>,
+    /// The earlier frame; `None` before the first one.
+    earlier: Option<Earlier>,
     /// Number of frames so far.
     frames: u32,
 }
 
-/// What visibility bits depend on: the state of the scene ([`UploadedScene`](crate::UploadedScene)), and all options
-/// but those of counting, display and memory.
-#[derive(Clone, Debug, PartialEq)]
+/// The eye of an earlier frame's traced view, and what its visibility bits depend on.
+#[derive(Debug)]
+struct Earlier {
+    eye: [Vec3; EYE_TEXELS as usize],
+    lit: Lit,
+}
+
+/// What visibility bits depend on: the scene, and all options but those of counting, display and memory.
+#[derive(Clone, Debug)]
 pub(crate) struct Lit {
-    state: u64,
+    scene: Arc<Shadowing>,
     options: Options,
 }
 
 impl Lit {
-    pub(crate) fn of(state: u64, options: &Options) -> Self {
+    pub(crate) fn of(scene: &Arc<Shadowing>, options: &Options) -> Self {
         let Options { count, cost_map, g_buffer, linear, exposure, tone, history, .. } = Options::default();
         Self {
-            state,
+            scene: scene.clone(),
             options: Options { count, cost_map, g_buffer, linear, exposure, tone, history, ..options.clone() },
         }
     }
@@ -63,8 +75,7 @@ pub(crate) enum Recall {
     Nothing,
     /// It keeps the samples of its traced view.
     Keep,
-    /// It also reads those of an earlier frame: their depths, and their visibility bits if these depend on nothing that
-    /// has changed.
+    /// It also reads those of an earlier frame: their depths, and their visibility bits if some of these hold.
     Read { bits: bool },
 }
 
@@ -88,7 +99,7 @@ impl History {
             Ok((samples, gpu.storage_buffer("history_bounds", bounds_bytes(size))))
         };
         let (samples, bounds) = gpu.checked(make).await?;
-        let new = Self { scene, size, samples, bounds, lit: None, frames: 0 };
+        let new = Self { scene, size, samples, bounds, earlier: None, frames: 0 };
         // The textures are filled for the reason of `samples_texture`.
         for view in &new.samples {
             gpu.fill_rows(view.texture(), 0, std::iter::repeat_n([0; 4], texels)).await?;
@@ -103,10 +114,37 @@ impl History {
 
     /// Returns how a frame may use the history.
     pub(crate) fn recall(&self, lit: &Lit) -> Recall {
-        match &self.lit {
-            Some(earlier) => Recall::Read { bits: earlier == lit },
+        match &self.earlier {
+            Some(earlier) => Recall::Read { bits: self.kept(earlier, lit).is_some() },
             None => Recall::Keep,
         }
+    }
+
+    /// Returns which of an earlier frame's visibility bits hold in a frame; `None` if none do.
+    fn kept(&self, earlier: &Earlier, lit: &Lit) -> Option<Kept> {
+        let room = (self.size[0] - EYE_TEXELS) / BOX_TEXELS;
+        let kept =
+            (earlier.lit.options == lit.options).then(|| lit.scene.since(&earlier.lit.scene, room.min(MOST_BOXES)));
+        kept.flatten().filter(|kept| kept.lights != 0)
+    }
+
+    /// Tells a frame's kernels the eye of the earlier frame, and which of its visibility bits hold.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    pub(crate) async fn tell(&self, gpu: &Gpu, lit: &Lit) -> Result<(), Error> {
+        let Some(earlier) = &self.earlier else { return Ok(()) };
+        let kept = self.kept(earlier, lit).unwrap_or_default();
+        let words = [self.frames, kept.lights, kept.moved.len() as u32, 0];
+        let eye = earlier.eye.into_iter().zip(words);
+        let boxes = kept.moved.as_flattened().iter().map(|corner| (*corner, 0));
+        let texels = eye.chain(boxes).map(|(vector, word)| {
+            let [x, y, z] = vector.to_array().map(f32::to_bits);
+            [x, y, z, word]
+        });
+        let begin = self.size[0] as usize * self.size[1] as usize;
+        gpu.fill_rows(self.samples[0].texture(), begin, texels).await?;
+        self.written(gpu).await
     }
 
     pub(crate) fn remembered(&self) -> Remembered {
@@ -115,20 +153,11 @@ impl History {
     }
 
     /// Makes the current frame's samples those of the earlier frame. `eye` is the eye of the traced view.
-    ///
-    /// # Errors
-    /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
-    pub(crate) async fn turn(&mut self, gpu: &Gpu, eye: &layout::Eyes, lit: Lit) -> Result<(), Error> {
+    pub(crate) fn turn(&mut self, eye: &layout::Eyes, lit: Lit) {
         self.frames = self.frames.wrapping_add(1);
-        let texel = |[x, y, z]: [f32; 3]| [x.to_bits(), y.to_bits(), z.to_bits(), self.frames];
-        let texels = [eye.target_eye, eye.target_corner, eye.step_x, eye.step_y].map(texel);
         self.samples.swap(0, 1);
-        self.lit = None;
-        let begin = self.size[0] as usize * self.size[1] as usize;
-        gpu.fill_rows(self.samples[0].texture(), begin, texels.into_iter()).await?;
-        self.written(gpu).await?;
-        self.lit = Some(lit);
-        Ok(())
+        let eye = [eye.target_eye, eye.target_corner, eye.step_x, eye.step_y].map(Vec3::from);
+        self.earlier = Some(Earlier { eye, lit });
     }
 
     /// Passes on what is written so far. A texture may not be destroyed before that.

@@ -115,8 +115,9 @@ impl Renderer {
         let drawn = if masked { None } else { self.drawn(scene, options) };
         let recall = self.recall(scene, eyes, options, &wanted);
         let mut planned = self.planned(scene, eyes, options, drawn, recall);
+        let lit = Lit::of(&scene.shadowing, options);
         if planned.2.remembers() {
-            match self.room_for_history(scene, eyes.pose.size).await {
+            match self.ready_history(scene, eyes.pose.size, &lit).await {
                 // A history only saves time, so the frame does without it.
                 Err(Error::OutOfMemory(_)) => planned = self.planned(scene, eyes, options, drawn, Recall::Nothing),
                 other => other?,
@@ -165,7 +166,7 @@ impl Renderer {
         let (stagings, plan) = (frame.stagings, frame.plan);
         self.cache.staging.extend(stagings);
         if let Some(history) = self.cache.history.as_mut().filter(|_| plan.remembers() && !done.in_steps) {
-            history.turn(&self.gpu, &eyes.uniform(eyes.sources[0]), Lit::of(scene.state, options)).await?;
+            history.turn(&eyes.uniform(eyes.sources[0]), lit);
         }
         Ok(done)
     }
@@ -239,15 +240,15 @@ impl Renderer {
         let fits = History::bytes(&self.gpu, size).is_some_and(|bytes| bytes <= most);
         match &self.cache.history {
             _ if !is_whole || traced > 1 || !fits => Recall::Nothing,
-            Some(history) if history.is_of(scene.id(), size) => history.recall(&Lit::of(scene.state, options)),
+            Some(history) if history.is_of(scene.id(), size) => history.recall(&Lit::of(&scene.shadowing, options)),
             _ => Recall::Keep,
         }
     }
 
-    /// Makes room for a frame's samples.
-    async fn room_for_history(&mut self, scene: &UploadedScene, size: [u32; 2]) -> Result<(), Error> {
-        if self.cache.history.as_ref().is_some_and(|history| history.is_of(scene.id(), size)) {
-            return Ok(());
+    /// Makes room for a frame's samples, or tells its kernels what holds of the earlier frame's.
+    async fn ready_history(&mut self, scene: &UploadedScene, size: [u32; 2], lit: &Lit) -> Result<(), Error> {
+        if let Some(history) = self.cache.history.as_ref().filter(|history| history.is_of(scene.id(), size)) {
+            return history.tell(&self.gpu, lit).await;
         }
         self.cache.history = None; // its memory is freed first
         self.cache.history = Some(History::new(&self.gpu, scene.id(), size).await?);

@@ -26,6 +26,7 @@ use crate::{
     kernel::{Kernels, Resource},
     message::counted,
     methods::auto::{Asked, CostModel, Seen},
+    scene::shadowing::Shadowing,
     shadow_buffer::{self, Casters, Tables},
     steps::soft::SoftLights,
     t_buffer::Drawn,
@@ -70,6 +71,7 @@ pub struct UploadedScene {
     number: u64,
     /// Number of the scene's current state, which no other scene or state has.
     pub(super) state: u64,
+    pub(super) shadowing: Arc<Shadowing>,
 }
 
 /// Returns a number that no state of a scene has.
@@ -310,6 +312,8 @@ impl Renderer {
             (uploaded.texels[1], uploaded.pictures) = (table, pictures);
             uploaded.half_written = AtomicBool::new(false);
             uploaded.state = new_state();
+            let (components, slots) = (&uploaded.shape.components, uploaded.ids.len());
+            uploaded.shadowing = Arc::new(Shadowing::of(scene, components, slots, Some(&uploaded.shadowing)));
             (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
             return Ok(());
         }
@@ -358,6 +362,8 @@ impl Renderer {
                 Ok(gpu.uniform_buffer("bvh", bytemuck::bytes_of(&uniform)))
             }
         };
+        let earlier = before.map(|before| &*before.shadowing);
+        let shadowing = Shadowing::of(scene, &packed.components, packed.ids.len(), earlier);
         Ok(UploadedScene {
             bvh: gpu.checked(bvh).await?,
             texels: [geometry, table],
@@ -377,6 +383,7 @@ impl Renderer {
             half_written: AtomicBool::new(false),
             number: before.map_or_else(new_state, |before| before.number),
             state: new_state(),
+            shadowing: Arc::new(shadowing),
             gpu: gpu.clone(),
             info: UploadInfo {
                 traversal,

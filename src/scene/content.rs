@@ -87,7 +87,7 @@ type Written = (usize, u32, [bool; 3]);
 fn named(objects: &[Object]) -> (Vec<&str>, Vec<Written>) {
     let (mut names, mut by_place, mut by_text) = (Vec::new(), HashMap::new(), HashMap::new());
     let mut written = Vec::with_capacity(objects.len());
-    for Object { name, first_primitive, has_uv, has_colors, has_tangents } in objects {
+    for Object { name, first_primitive, has_uv, has_colors, has_tangents, stamp: _ } in objects {
         // The bytes of a shared name are hashed only once.
         let number = *by_place.entry(Arc::as_ptr(name)).or_insert_with(|| {
             *by_text.entry(&**name).or_insert_with(|| {

@@ -147,12 +147,14 @@ pub(crate) struct Object {
     pub(crate) has_uv: bool,
     pub(crate) has_colors: bool,
     pub(crate) has_tangents: bool,
+    /// Stamp that changes with the mesh.
+    pub(crate) stamp: Stamp,
 }
 
 impl Object {
     pub(crate) fn new(mesh: &Mesh, has_tangents: bool, first_primitive: u32) -> Self {
         let [has_uv, has_colors] = [!mesh.uv.is_empty(), !mesh.colors.is_empty()];
-        Self { name: mesh.name.clone(), first_primitive, has_uv, has_colors, has_tangents }
+        Self { name: mesh.name.clone(), first_primitive, has_uv, has_colors, has_tangents, stamp: Stamp::new() }
     }
 }
 

@@ -15,6 +15,7 @@ mod plane;
 pub(crate) mod principled;
 #[cfg(feature = "serde")]
 mod serialised;
+pub(crate) mod shadowing;
 pub(crate) mod sky;
 pub(crate) mod smooth;
 pub(crate) mod tangents;
@@ -85,6 +86,11 @@ impl Sphere {
     /// Makes a sphere from its centre, relative to [`Scene::origin`], and its radius in world units, above 0.
     pub fn new(center: Vec3, radius: f32, material: MaterialId) -> Self {
         Self { center, radius, material }
+    }
+
+    /// Returns the corners of the bounding box.
+    fn corners(&self) -> [Vec3; 2] {
+        [self.center - self.radius, self.center + self.radius]
     }
 }
 
@@ -238,7 +244,7 @@ impl Scene {
     /// Returns [`Scene::bounds`] relative to the origin.
     pub(crate) fn local_bounds(&self) -> Option<(Vec3, Vec3)> {
         let triangles = self.triangles.iter().filter(|t| !t.is_degenerate()).flat_map(|t| t.corners);
-        let spheres = self.spheres.iter().flat_map(|s| [s.center - s.radius, s.center + s.radius]);
+        let spheres = self.spheres.iter().flat_map(Sphere::corners);
         let ellipsoids = self.ellipsoids.iter().flat_map(Ellipsoid::corners);
         triangles.chain(spheres).chain(ellipsoids).fold(None, |bounds: Option<(Vec3, Vec3)>, point| {
             let (low, high) = bounds.unwrap_or((point, point));

@@ -168,6 +168,7 @@ impl Scene {
     fn replace_and_warn(&mut self, object: u32, range: Range<usize>, by: Vec<Triangle>) {
         let (dropped, whole) = (self.dropped, range.start..range.start + by.len());
         self.replace_triangles(range, by);
+        self.mesh_objects[object as usize].stamp = Stamp::new();
         let name = self.object_name(object).to_owned();
         self.warn_of_dropped(&name, self.dropped.saturating_sub(dropped), whole);
     }

@@ -28,7 +28,7 @@ pub(crate) struct TreeShape {
     stack_size: u32,
     /// Numbers of triangles, spheres, ellipsoids and planes.
     counts: [usize; 4],
-    components: Arc<Vec<u32>>,
+    pub(crate) components: Arc<Vec<u32>>,
     stamps: [Stamp; 2],
     /// Whether the tree represents a list ([`BvhBuild::Flat`]). A list is rebuilt instead of refitted.
     flat: bool,
