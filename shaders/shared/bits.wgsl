@@ -143,6 +143,18 @@ fn agreeing(a: u32, b: u32) -> u32 {
     return (known << 16u) | (a & known);
 }
 
+// Returns whether two shares differ by at most `deviations` standard deviations of the difference of two such binomial
+// shares, or by one ray.
+fn is_chance(a: f32, b: f32, deviations: f32, count: u32) -> bool {
+    let mean = 0.5 * (a + b);
+    let by_chance = deviations * sqrt(2.0 * mean * (1.0 - mean) / f32(count));
+    return abs(a - b) <= max(by_chance, 1.0 / f32(count));
+}
+
+// Factor on the tolerated deviations between the shares of a sample and its neighbour. A penumbra with larger
+// differences is at most about four samples wide. Then two samples say little about the points between them.
+const NARROW: f32 = 2.0;
+
 // Returns the busy lights of each pixel of a lane.
 fn busy_at(pixels: Pixels) -> U {
     var busy = U(0u);

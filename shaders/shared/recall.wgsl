@@ -2,7 +2,7 @@
 // if the four samples around a point show its surface, all know the bit, and agree. Some tiles recall nothing in turn,
 // so that each bit is traced anew after a while.
 
-//! use aims, bits, fetch, frame, history, jitter, lane, light, pixels, table, tiles
+//! use aims, bits, dice, fetch, frame, history, jitter, lane, light, pixels, table, tiles
 
 // One of this number of tiles recalls nothing in each frame.
 const ASKED_ANEW: u32 = 64u;
@@ -12,17 +12,20 @@ fn recalled_bits(pixels: Pixels, surfaces: Surfaces, busy: U) -> Taken {
     let eye = earlier_eye();
     var ray = 0u;
     loop {
+        if KEEP_SHARES { surroundings[ray] = nothing_around(); }
         if of_ray_b(surfaces.there, ray) && !recalls_nothing(pixel_of_ray(pixels, ray)) {
             let normal = of_ray3(surfaces.geometric_normal, ray);
             let point = of_ray3(surfaces.point, ray);
             let around = bits_around(eye, point, normal, of_ray_u(surfaces.component, ray));
-            let known = holding(eye, (around.bits >> 16u) & ~of_ray_u(busy, ray), point);
-            result.known = with_ray_u(result.known, ray, known);
+            let dropped = ~holding(eye, point) & 0xffffu;
+            result.busy = with_ray_u(result.busy, ray, of_ray_u(busy, ray) | dropped);
+            result.known = with_ray_u(result.known, ray, (around.bits >> 16u) & ~of_ray_u(result.busy, ray));
             result.lit = with_ray_u(result.lit, ray, around.bits & 0xffffu);
             if KEEP_OCCLUDERS {
-                result.occluders_a = with_ray_u(result.occluders_a, ray, around.occluders.x);
-                result.occluders_b = with_ray_u(result.occluders_b, ray, around.occluders.y);
+                result.occluders_a = with_ray_u(result.occluders_a, ray, around.others.x);
+                result.occluders_b = with_ray_u(result.occluders_b, ray, around.others.w);
             }
+            if KEEP_SHARES { surroundings[ray] = around; }
         }
         ray += 1u;
         if ray >= RAYS { break; }
@@ -33,11 +36,11 @@ fn recalled_bits(pixels: Pixels, surfaces: Surfaces, busy: U) -> Taken {
 // Boxes around moved objects are widened by this number of pixels, measured at the point's distance from the old eye.
 const WIDENED: f32 = 2.0;
 
-// Returns the lights, among these, whose bits hold: nothing that moved can have hidden the point from them, or hides it
-// now. The points that a box hides from a point light are convex. So if the box hides all samples around the point, it
-// hides the point.
-fn holding(eye: EarlierEye, lights: u32, point: vec3f) -> u32 {
-    var hold = lights & eye_tag(1u);
+// Returns the lights whose bits hold: nothing that moved can have hidden the point from them, or hides it now. The
+// points that a box hides from a point light are convex. So if the box hides all samples around the point, it hides the
+// point.
+fn holding(eye: EarlierEye, point: vec3f) -> u32 {
+    var hold = eye_tag(1u);
     let boxes = eye_tag(2u);
     var left = select(0u, hold, boxes > 0u);
     let margin = WIDENED * length(eye.step_x) * length(point - eye.place);
@@ -88,30 +91,35 @@ fn recalls_nothing(pixel: vec2u) -> bool {
     return (tile.x * 11u + tile.y * 29u + earlier_frame()) % ASKED_ANEW == 0u;
 }
 
-// The bits on which the four samples around a point agree, and occluders of two of the samples, or MISS.
+// The bits on which the four samples around a point agree.
 struct Around {
     bits: u32,
-    occluders: vec2u,
+    others: vec4u,    // of each sample its occluder, or its shares; MISS if the samples show other surfaces
+    way: vec3f,       // position of the point in the upper row, in the lower row, and from row to row, 0 to 1
+    upper: vec2u,     // the sample on the left in the upper row
+    lower: vec2u,     // the sample on the left in the lower row
+    component: u32,
 }
 
+fn nothing_around() -> Around { return Around(0u, vec4u(MISS), vec3f(0.0), vec2u(0u), vec2u(0u), MISS); }
+
 fn bits_around(eye: EarlierEye, point: vec3f, normal: vec3f, component: u32) -> Around {
-    let nothing = Around(0u, vec2u(MISS));
     let there = point - eye.place;
     // The earlier eye must have seen the same side of the surface.
-    if dot(there, normal) >= 0.0 { return nothing; }
+    if dot(there, normal) >= 0.0 { return nothing_around(); }
     // The vector whose product with all directions to pixels is 1.
     let across = cross(eye.step_x, eye.step_y);
     let forward = across / dot(across, eye.corner);
     let depth = dot(there, forward);
-    if !(depth > 0.0) { return nothing; }
+    if !(depth > 0.0) { return nothing_around(); }
     let aside = there / depth - eye.corner;
     let place = in_steps_of(aside, eye.step_x, eye.step_y) - 0.5;
     let size = vec2f(history_size());
-    if !(place.y >= 0.0 && place.y + 1.0 < size.y) { return nothing; }
+    if !(place.y >= 0.0 && place.y + 1.0 < size.y) { return nothing_around(); }
     let row = u32(place.y);
     // Samples of a row are offset from the centres of their pixels.
     let columns = vec2f(place.x) - vec2f(row_offset(row), row_offset(row + 1u));
-    if !(all(columns >= vec2f(0.0)) && all(columns + 1.0 < vec2f(size.x))) { return nothing; }
+    if !(all(columns >= vec2f(0.0)) && all(columns + 1.0 < vec2f(size.x))) { return nothing_around(); }
     let upper = vec2u(u32(columns.x), row);
     let lower = vec2u(u32(columns.y), row + 1u);
     let way = vec3f(fract(columns), fract(place.y));
@@ -124,13 +132,64 @@ fn bits_around(eye: EarlierEye, point: vec3f, normal: vec3f, component: u32) -> 
     // Largest difference of a sample's depth from the point's, as a share of the depth.
     let steepest = STEEPEST * length(eye.step_x);
     let apart = abs(depth / depths - 1.0);
-    if any(differ) || !all(apart <= vec4f(steepest)) { return nothing; }
+    if any(differ) || !all(apart <= vec4f(steepest)) { return nothing_around(); }
     let known = ((a.w & b.w & c.w & d.w) >> 16u) & ~((a.w ^ b.w) | (a.w ^ c.w) | (a.w ^ d.w)) & 0xffffu;
     let bits = (known << 16u) | (a.w & known);
     // Reciprocals of depths are linear on a plane.
     let nearness = mix(mix(1.0 / depths.x, 1.0 / depths.y, way.x), mix(1.0 / depths.z, 1.0 / depths.w, way.y), way.z);
     let in_groove = depth * nearness - 1.0 > GROOVE * steepest;
-    return Around(select(bits, bits & ~(bits << 16u), in_groove), vec2u(a.y, d.y));
+    let sure = select(bits, bits & ~(bits << 16u), in_groove);
+    return Around(sure, vec4u(a.y, b.y, c.y, d.y), way, upper, lower, component);
+}
+
+// What surrounds the points of a lane's rays, if shares are reused.
+var<private> surroundings: array<Around, RAYS>;
+
+// Returns the interpolated share of a source's rays that arrive at a point, or -1 if chance does not explain the
+// differences of the samples, or if the penumbra is narrow.
+fn share_around(slot: u32, count: u32, ray: u32) -> f32 {
+    let around = surroundings[ray];
+    let four = (around.others >> vec4u(SHARE_BITS * slot)) & vec4u(UNASKED);
+    if any(four == vec4u(UNASKED)) { return -1.0; }
+    // If the samples see all or nothing and yet the bit is unknown, the point lies in a groove.
+    if all(four == vec4u(0u)) || all(four == vec4u(ALL_OPEN)) { return -1.0; }
+    let shares = vec4f(four) / f32(ALL_OPEN);
+    let lowest = min(min(shares.x, shares.y), min(shares.z, shares.w));
+    let highest = max(max(shares.x, shares.y), max(shares.z, shares.w));
+    let tolerance = frame.lighting.share_tolerance;
+    if !is_chance(lowest, highest, NARROW * tolerance, count) { return -1.0; }
+    // The samples beyond, on the diagonals, show how steep the penumbra is.
+    let upper = vec2i(around.upper);
+    let lower = vec2i(around.lower);
+    let beyond = vec4u(
+        share_there(upper + vec2i(-1, -1), slot, around.component),
+        share_there(upper + vec2i(2, -1), slot, around.component),
+        share_there(lower + vec2i(-1, 1), slot, around.component),
+        share_there(lower + vec2i(2, 1), slot, around.component),
+    );
+    let is_whole = all(beyond != vec4u(UNASKED));
+    let all_shares = select(shares, 0.5 * (shares + vec4f(beyond) / f32(ALL_OPEN)), is_whole);
+    let rays = select(2u, 4u, is_whole) * count;
+    let left = 0.5 * (all_shares.x + all_shares.z);
+    let right = 0.5 * (all_shares.y + all_shares.w);
+    let above = 0.5 * (all_shares.x + all_shares.y);
+    let below = 0.5 * (all_shares.z + all_shares.w);
+    if !is_chance(left, right, tolerance, rays) || !is_chance(above, below, tolerance, rays) { return -1.0; }
+    return mix(mix(shares.x, shares.y, around.way.x), mix(shares.z, shares.w, around.way.y), around.way.z);
+}
+
+// Returns the share of the sample at a place, or UNASKED if it shows another component.
+fn share_there(place: vec2i, slot: u32, component: u32) -> u32 {
+    if any(place < vec2i(0)) || any(vec2u(place) >= history_size()) { return UNASKED; }
+    let sample = textureLoad(history, place, 0);
+    return select(UNASKED, (sample.y >> (SHARE_BITS * slot)) & UNASKED, sample.z == component);
+}
+
+// Returns a share that can be stored, as a number of ALL_OPEN parts. It is rounded up or down by chance, so that sums
+// over many pixels and frames are not biased.
+fn storable_share(share: f32, slot: u32, pixel: vec2u) -> f32 {
+    let random = scrambled(vec3u(pixel.x, pixel.y + frame.band.first_row, slot + SHARES * earlier_frame())).x;
+    return min(floor(share * f32(ALL_OPEN) + f32(random >> 8u) / 16777216.0), f32(ALL_OPEN));
 }
 
 //! if jitter is none

@@ -159,15 +159,25 @@ fn recall(pixels: Pixels, surfaces: Surfaces, busy: U) {
     if KEEP_BITS { found_occluders = taken.occluders_a; }
 }
 
-// Returns a source's share if all of its rays or none of them arrived at the samples around a point, or -1.
+// Returns the share of a source's rays that arrive, or -1 if unknown. If the four samples around the point agree, it is
+// theirs, otherwise it is interpolated.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     if KEEP_SHARES && slot < SHARES && (of_ray_u(taken.busy, ray) & (1u << (16u + slot))) != 0u { return -1.0; }
     let bit = light_mask(light);
-    if (of_ray_u(taken.known, ray) & bit) == 0u { return -1.0; }
-    let open = select(0.0, 1.0, (of_ray_u(taken.lit, ray) & bit) != 0u);
-    // A share that several rays sample is recalled once. If it were recalled again, all would become 0 or 1 in time.
-    if count == 1u { record_share(light, slot, ray, open, 1.0); }
-    return open;
+    let known = (of_ray_u(taken.known, ray) & bit) != 0u;
+    if known {
+        let open = select(0.0, 1.0, (of_ray_u(taken.lit, ray) & bit) != 0u);
+        // Without shares, one that several rays sample is recalled once. If it were recalled again, all would become 0
+        // or 1 in time.
+        if KEEP_SHARES || count == 1u { record_share(light, slot, ray, open, 1.0); }
+        return open;
+    }
+    if !KEEP_SHARES || slot >= SHARES || (bit & ~of_ray_u(taken.busy, ray)) == 0u { return -1.0; }
+    let share = share_around(slot, count, ray);
+    if share >= 0.0 {
+        record_share(light, slot, ray, storable_share(share, slot, pixel_of_ray(dice, ray)), f32(ALL_OPEN));
+    }
+    return share;
 }
 
 //! if visibility is taken or taken_or_traced
@@ -192,18 +202,6 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     }
     return mix(before, after, of_ray(taken.way, ray));
 }
-
-// Returns whether two shares differ by at most `deviations` standard deviations of the difference of two such binomial
-// shares, or by one ray.
-fn is_chance(a: f32, b: f32, deviations: f32, count: u32) -> bool {
-    let mean = 0.5 * (a + b);
-    let by_chance = deviations * sqrt(2.0 * mean * (1.0 - mean) / f32(count));
-    return abs(a - b) <= max(by_chance, 1.0 / f32(count));
-}
-
-// Factor on the tolerated deviations between the shares of a sample and its neighbour. A penumbra with larger
-// differences is at most about four samples wide. Then two samples say little about the points between them.
-const NARROW: f32 = 2.0;
 
 // Returns whether a penumbra is narrow. Each of the two samples beside the point is compared with its neighbour on the
 // far side.

@@ -2,7 +2,7 @@
 
 use stereotrace::{
     Builtin, BvhBuild, Ellipsoid, Light, Lighting, Material, MaterialId, Mesh, Method, Options, Penumbra, Plane,
-    Renderer, Scene, Sphere, StereoCamera, StereoPair, Update, UploadedScene,
+    Renderer, Scene, Sky, Sphere, StereoCamera, StereoPair, Update, UploadedScene,
     blocking::Wait,
     glam::{Affine3A, DQuat, DVec3, Mat3, Vec3},
     metrics,
@@ -301,6 +301,71 @@ fn shadows_move_with_their_objects() {
         assert!(shares.iter().sum::<f64>() / 7.0 < 0.7, "{what}: {shares:?}");
         // Measured: 0, with and without a history.
         assert!(wrong < 0.01, "{what}: {wrong}%");
+        renderer.forget();
+    }
+}
+
+/// Returns the mean difference of a left view's light from a converged one, and the root of the mean square.
+fn error(found: &StereoPair, converged: &[f64]) -> [f64; 2] {
+    let light = found.left.linear.iter().flat_map(|[r, g, b, _]| [r, g, b]);
+    let differences: Vec<f64> = light.zip(converged).map(|(&found, truth)| f64::from(found) - truth).collect();
+    let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / differences.len() as f64;
+    [mean(&mut differences.iter().copied()), mean(&mut differences.iter().map(|d| d * d)).sqrt()]
+}
+
+/// Shares of soft light are recalled and interpolated. Films become quieter in wide penumbrae, their mean stays, and no
+/// shadow lags behind its object.
+#[test]
+fn soft_light_becomes_quieter_and_is_not_biased() {
+    let mut renderer = renderer();
+    let mut scene = Scene::new();
+    let floor = [(-4.0, -4.0), (-4.0, 4.0), (4.0, 4.0), (4.0, -4.0)].map(|(x, z)| Vec3::new(x, -0.5, z)).to_vec();
+    scene.add_mesh(&Mesh::new(floor, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    for x in [-1.5, 0.0, 1.5] {
+        scene.add_mesh(&ball(Vec3::new(x, 0.1, 0.0), 0.5, 12)).unwrap();
+    }
+    scene.sky = Sky::Gradient { nadir: Vec3::splat(0.1), zenith: Vec3::splat(0.3) };
+    let camera = StereoCamera::look_at(Vec3::new(0.0, 1.5, 5.0), Vec3::ZERO).size(120, 90).interaxial_pixels(3.0);
+    let lights = Options::new(Method::BRACKET).shadow_rays(8).linear(true);
+    // Measured shares of rays and of noise: 0.148 and 0.927, 0.109 and 1.008, 0.334 and 1.004, 0.127 and 0.718.
+    for (what, radius, options, step, most) in [
+        ("large lights", 1.5, lights.clone(), Vec3::ZERO, [0.2, 1.0]),
+        ("small lights", 0.3, lights.clone(), Vec3::ZERO, [0.2, 1.05]),
+        ("small lights and a ball that moves", 0.3, lights.clone(), Vec3::new(0.05, 0.0, 0.05), [0.5, 1.05]),
+        ("the sky", 1.5, lights.sky_rays(8), Vec3::ZERO, [0.2, 0.85]),
+    ] {
+        let light = |x: f32| Light::sphere(Vec3::new(x, 3.0, 2.0), radius, Vec3::splat(0.4));
+        scene.lights = [-2.0, 2.0].map(light).to_vec();
+        let mut uploaded = renderer.upload(&scene).wait().unwrap();
+        let mut moving = scene.clone();
+        for frame in 0..12 {
+            let camera = camera.orbited((0.5 * frame as f32).to_radians());
+            let mut pair =
+                |options: &Options| renderer.pair(&uploaded, &camera).options(options).read().wait().unwrap();
+            let found = pair(&options.clone().history(ROOM));
+            if frame == 11 {
+                let naive = pair(&options.clone().method(Method::Naive));
+                let mut converged = vec![0.0; 3 * naive.left.linear.len()];
+                for seed in 0..8 {
+                    let many = options.clone().method(Method::Naive).shadow_rays(32).seed(100 + seed);
+                    let many = if options.sky_rays.is_some() { many.sky_rays(32) } else { many };
+                    let more = pair(&many);
+                    let light = more.left.linear.iter().flat_map(|[r, g, b, _]| [r, g, b]);
+                    converged.iter_mut().zip(light).for_each(|(sum, light)| *sum += f64::from(*light) / 8.0);
+                }
+                let [found_error, naive_error] = [&found, &naive].map(|pair| error(pair, &converged));
+                let [asked, all] = [&found, &naive].map(|pair| pair.statistics.left.rays.shadow as f64);
+                let [noise, share] = [found_error[1] / naive_error[1], asked / all];
+                println!("{what}: {share:.3} of the rays, {noise:.3} of naive's noise, bias {:.6}", found_error[0]);
+                assert!(share < most[0], "{what}: {share} of the rays");
+                assert!(noise < most[1], "{what}: {noise} of naive's noise");
+                assert!(found_error[0].abs() < 5e-4, "{what}: bias {}", found_error[0]);
+            }
+            if step != Vec3::ZERO {
+                moving.transform_object(1, &Affine3A::from_translation(step)).unwrap();
+                renderer.update(&mut uploaded, &moving, Update::Refit).wait().unwrap();
+            }
+        }
         renderer.forget();
     }
 }

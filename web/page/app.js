@@ -19,6 +19,8 @@ const WIGGLE_MS = 180;
 const MOST_SIDE = { software: 512, hardware: 1600 };
 /** Light by paths: paths of drafts, of the first picture and of the last, and bounces. */
 const PATHS = { draft: 2, first: 4, last: 256, bounces: 3 };
+/** Drafts of at least so many pixels recall the draft before, within so many MiB. Smaller ones take as long without. */
+const RECALLED = { pixels: 2 ** 18, history: 512 };
 const QUILT = { columns: 8, rows: 6, size: [420, 560], interaxialPixels: 3 };
 const ROUNDS = 3;
 const VIEWS = [...element("view").options].map((option) => option.value);
@@ -211,9 +213,10 @@ async function render(draft) {
     const scale = draft ? draftScale(width * height * options.samples) : 1;
     const busy = setTimeout(() => say("rendering…"), 400);
     const byPaths = element("light").value === "paths";
+    const history = draft && width * height * scale ** 2 >= RECALLED.pixels ? RECALLED.history : null;
     const request = {
         camera: seen(scale), lights, glasses, view,
-        options: draft && scale < 1 ? { ...options, samples: 1, ...light(PATHS.draft) } : options,
+        options: { ...options, history, ...(draft && scale < 1 ? { samples: 1, ...light(PATHS.draft) } : {}) },
         paths: byPaths && !draft,
         compare: view === "difference" && !draft,
     };
