@@ -33,7 +33,7 @@ pub(super) fn svg(
     names.dedup();
     // Naive's own point says nothing.
     let drawn: Vec<(usize, &str)> =
-        methods().iter().map(|(name, _)| *name).skip(1).map(|name| (looks::of_method(name), name)).collect();
+        methods(None).iter().map(|(name, _)| *name).skip(1).map(|name| (looks::of_method(name), name)).collect();
     drawing(SIZE, &title, |root| {
         heading(root, &title, &provenance.source())?;
         for (panel, percent) in panels {

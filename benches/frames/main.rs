@@ -5,7 +5,9 @@
 //! frame. Figures are those of all frames but the first. `speed` is naive's time over the method's. Costs by counters
 //! are relative to naive's left view. `flicker` is the share of pixels whose colour is naive's in exactly one of two
 //! successive frames. Options are `--size`, `--frames` and `--e`, the parallax at infinity in pixels of a picture 600
-//! pixels wide. Names select scenes: built-in ones, or folders of OBJ files.
+//! pixels wide. `--soft RAYS` makes all lights spheres, and adds the error of the last frame: the root mean square of
+//! its light's difference from a converged picture, relative to naive's. Names select scenes: built-in ones, or folders
+//! of OBJ files.
 
 mod chart;
 #[path = "../common/mod.rs"]
@@ -16,7 +18,7 @@ use std::{error::Error, fs, process::ExitCode};
 use clap::Parser;
 use serde_json::json;
 use stereotrace::{
-    Gpu, Method, Options, Renderer, ShadowReuse, StereoCamera, StereoPair, UploadedScene,
+    Gpu, Light, Method, Options, Renderer, ShadowReuse, StereoCamera, StereoPair, UploadedScene,
     blocking::Wait,
     glam::{DQuat, DVec3},
     metrics::compare,
@@ -51,6 +53,9 @@ struct Arguments {
     /// Parallax at infinity in pixels of a picture 600 pixels wide
     #[arg(long, value_name = "PX", default_value_t = 15.0)]
     e: f32,
+    /// Makes all lights spheres, with a radius of a twentieth of the camera's distance, sampled by so many rays
+    #[arg(long, value_name = "RAYS", value_parser = clap::value_parser!(u32).range(1..=32))]
+    soft: Option<u32>,
     /// Scenes [default: spheres, hall, sponza, dragon]
     scenes: Vec<String>,
     /// Passed by cargo when it benchmarks; without it this is a smoke run
@@ -99,9 +104,13 @@ impl Path {
     }
 }
 
-/// A method, with or without a history. Naive is the first.
-fn methods() -> [(&'static str, Options); 4] {
-    let by = Options::new;
+/// Number of pictures of a converged picture, each with [`MOST_RAYS`] rays to a light.
+const CONVERGED: u32 = 8;
+const MOST_RAYS: u32 = 32;
+
+/// A method, with or without a history. Naive is the first. `soft` is the number of rays to each light.
+fn methods(soft: Option<u32>) -> [(&'static str, Options); 4] {
+    let by = |method| Options::new(method).shadow_rays(soft.unwrap_or(1)).linear(soft.is_some());
     [
         ("naive", by(Method::Naive)),
         ("bracket", by(Method::BRACKET)),
@@ -120,6 +129,8 @@ struct Figures {
     wrong_surface: f64,
     /// Flicker of both views.
     flicker: [Flicker; 2],
+    /// Root mean square of the last frame's difference from a converged picture, relative to naive's.
+    error: Option<f64>,
 }
 
 impl Figures {
@@ -147,14 +158,19 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     println!("{provenance}\n\n{}x{}, {frames} frames after the first\n", size[0], size[1]);
     println!(
         "| scene | path | method | pair ms | speed | left, by counters | right | identical % | wrong surface % | \
-         flicker % |"
+         flicker % | error |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
     let mut renderer = Renderer::new(gpu);
     let mut films = Vec::new();
     for name in &names {
         match scenes::load(name, size, arguments.e * size[0] as f32 / 600.0, None)? {
-            Some(scene) => films.extend(measure(&mut renderer, &scene, frames)?),
+            Some(mut scene) => {
+                if arguments.soft.is_some() {
+                    soften(&mut scene)?;
+                }
+                films.extend(measure(&mut renderer, &scene, frames, arguments.soft)?);
+            }
             None => println!("{}\n", scenes::skipped(name)),
         }
     }
@@ -202,30 +218,46 @@ impl Film {
                 ("identical", json!(figures.identical)),
                 ("wrong_surface", json!(figures.wrong_surface)),
                 ("flicker", json!(figures.flicker())),
+                ("error_over_naive", json!(figures.error)),
             ]
         };
-        methods().iter().map(|(method, _)| *method).zip(&self.figures).zip(&times).map(record).collect()
+        methods(None).iter().map(|(method, _)| *method).zip(&self.figures).zip(&times).map(record).collect()
     }
 }
 
+/// Makes all lights spheres.
+fn soften(BenchScene { scene, camera, .. }: &mut BenchScene) -> Result<(), Box<dyn Error>> {
+    let radius = 0.05 * camera.target_position().distance(camera.pose()?.eye) as f32;
+    for light in &mut scene.lights {
+        *light = Light::sphere(light.position, radius, light.intensity);
+    }
+    Ok(())
+}
+
 /// Renders the films of a scene, and prints their rows.
-fn measure(renderer: &mut Renderer, bench: &BenchScene, frames: u32) -> Result<Vec<Film>, Box<dyn Error>> {
+fn measure(
+    renderer: &mut Renderer,
+    bench: &BenchScene,
+    frames: u32,
+    soft: Option<u32>,
+) -> Result<Vec<Film>, Box<dyn Error>> {
     let BenchScene { name, scene, camera } = bench;
     let uploaded = renderer.upload(scene).wait()?;
     let mut films = Vec::new();
     for (path_name, path) in Path::ALL {
         let cameras = (0..=frames).map(|frame| path.at(*camera, frame)).collect::<Result<Vec<_>, _>>()?;
-        let figures = film_figures(renderer, &uploaded, &cameras)?;
+        let figures = film_figures(renderer, &uploaded, &cameras, soft)?;
         let film = Film { scene: name.clone(), path: path_name, figures };
         let times = film.times();
-        for (((method, _), figures), ms) in methods().into_iter().zip(&film.figures).zip(&times) {
+        for (((method, _), figures), ms) in methods(soft).into_iter().zip(&film.figures).zip(&times) {
             let Figures { left, right, identical, wrong_surface, .. } = figures;
             println!(
                 "| {} | {path_name} | {method} | {ms:.0} | {:.2} | {left:.3} | {right:.3} | {identical:.3} | \
-                 {wrong_surface:.3} | {:.3} |",
+                 {wrong_surface:.3} | {:.3} | {} |",
                 scenes::title(name),
                 times[0] / ms,
                 figures.flicker(),
+                figures.error.map_or("-".into(), |error| format!("{error:.2}")),
             );
         }
         films.push(film);
@@ -238,8 +270,9 @@ fn film_figures(
     renderer: &mut Renderer,
     scene: &UploadedScene,
     film: &[StereoCamera],
+    soft: Option<u32>,
 ) -> Result<Vec<Figures>, Box<dyn Error>> {
-    let methods = methods();
+    let methods = methods(soft);
     let mut all: Vec<Figures> = methods.iter().map(|_| Figures::default()).collect();
     // A history is of one method's frames, so both forms of bracket with one have renderers of their own.
     let mut renderers: Vec<Renderer> = methods.iter().map(|_| Renderer::new(renderer.gpu().clone())).collect();
@@ -254,6 +287,7 @@ fn film_figures(
     let share = 1.0 / (film.len() - 1) as f64;
     for (frame, camera) in film.iter().enumerate() {
         let mut truth: Option<StereoPair> = None;
+        let mut converged: Option<Vec<f64>> = None;
         for (index, (_, options)) in methods.iter().enumerate() {
             let options = options.clone().count(true);
             let pair = renderers[index].pair(scene, camera).options(&options).read().wait()?;
@@ -274,7 +308,46 @@ fn film_figures(
                 figures.identical += 0.5 * share * difference.identical_percent;
                 figures.wrong_surface += 0.5 * share * difference.wrong_surface_percent;
             }
+            if soft.is_some() && frame + 1 == film.len() {
+                let truth = match &converged {
+                    Some(truth) => truth,
+                    None => converged.insert(converged_light(renderer, scene, camera)?),
+                };
+                figures.error = Some(distance(&light_of(&pair), truth));
+            }
         }
     }
+    let naive = all[0].error;
+    for figures in &mut all {
+        figures.error = figures.error.zip(naive).map(|(error, naive)| error / naive);
+    }
     Ok(all)
+}
+
+/// Returns the linear light of both views.
+fn light_of(pair: &StereoPair) -> Vec<f64> {
+    let both = [&pair.left, &pair.right].map(|view| view.linear.iter().flat_map(|[r, g, b, _]| [r, g, b]));
+    both.into_iter().flatten().map(|&light| f64::from(light)).collect()
+}
+
+/// Returns the light of a picture by many rays.
+fn converged_light(
+    renderer: &mut Renderer,
+    scene: &UploadedScene,
+    camera: &StereoCamera,
+) -> Result<Vec<f64>, stereotrace::Error> {
+    let mut sum = Vec::new();
+    for seed in 1..=CONVERGED {
+        let options = Options::new(Method::Naive).shadow_rays(MOST_RAYS).linear(true).seed(seed);
+        let light = light_of(&renderer.pair(scene, camera).options(&options).read().wait()?);
+        sum.resize(light.len(), 0.0);
+        sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light / f64::from(CONVERGED));
+    }
+    Ok(sum)
+}
+
+/// Returns the root mean square of the differences.
+fn distance(light: &[f64], other: &[f64]) -> f64 {
+    let squares = light.iter().zip(other).map(|(a, b)| (a - b).powi(2));
+    (squares.sum::<f64>() / light.len() as f64).sqrt()
 }

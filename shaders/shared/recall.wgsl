@@ -1,6 +1,6 @@
-// Visibility bits that a traced view recalls from an earlier frame (docs/BRACKET.md, "Earlier frames"). A bit is known
-// if the four samples around a point show its surface, all know the bit, and agree. Some tiles recall nothing in turn,
-// so that each bit is traced anew after a while.
+// Visibility bits and shares of soft light that a traced view recalls from an earlier frame (docs/BRACKET.md, "Earlier
+// frames"). A bit is known if the four samples around a point show its surface, all know the bit, and agree. Some tiles
+// recall nothing in turn, so that each bit is traced anew after a while.
 
 //! use aims, bits, dice, fetch, frame, history, jitter, lane, light, pixels, table, tiles
 
@@ -17,8 +17,10 @@ fn recalled_bits(pixels: Pixels, surfaces: Surfaces, busy: U) -> Taken {
             let normal = of_ray3(surfaces.geometric_normal, ray);
             let point = of_ray3(surfaces.point, ray);
             let around = bits_around(eye, point, normal, of_ray_u(surfaces.component, ray));
-            let dropped = ~holding(eye, point) & 0xffffu;
-            result.busy = with_ray_u(result.busy, ray, of_ray_u(busy, ray) | dropped);
+            if around.component != MISS {
+                let dropped = ~holding(eye, point, around.apart) & 0xffffu;
+                result.busy = with_ray_u(result.busy, ray, of_ray_u(busy, ray) | dropped);
+            }
             result.known = with_ray_u(result.known, ray, (around.bits >> 16u) & ~of_ray_u(result.busy, ray));
             result.lit = with_ray_u(result.lit, ray, around.bits & 0xffffu);
             if KEEP_OCCLUDERS {
@@ -33,17 +35,18 @@ fn recalled_bits(pixels: Pixels, surfaces: Surfaces, busy: U) -> Taken {
     return result;
 }
 
-// Boxes around moved objects are widened by this number of pixels, measured at the point's distance from the old eye.
+// Boxes around moved objects are widened by this number of pixels, measured at the point's distance from the old eye,
+// and by the samples' distance from the point along the view.
 const WIDENED: f32 = 2.0;
 
 // Returns the lights whose bits hold: nothing that moved can have hidden the point from them, or hides it now. The
 // points that a box hides from a point light are convex. So if the box hides all samples around the point, it hides the
 // point.
-fn holding(eye: EarlierEye, point: vec3f) -> u32 {
+fn holding(eye: EarlierEye, point: vec3f, apart: f32) -> u32 {
     var hold = eye_tag(1u);
     let boxes = eye_tag(2u);
     var left = select(0u, hold, boxes > 0u);
-    let margin = WIDENED * length(eye.step_x) * length(point - eye.place);
+    let margin = WIDENED * length(eye.step_x) * length(point - eye.place) + apart;
     loop {
         if left == 0u { break; }
         let light = firstTrailingBit(left);
@@ -94,14 +97,15 @@ fn recalls_nothing(pixel: vec2u) -> bool {
 // The bits on which the four samples around a point agree.
 struct Around {
     bits: u32,
-    others: vec4u,    // of each sample its occluder, or its shares; MISS if the samples show other surfaces
+    others: vec4u,    // of each sample its occluder, or its shares; or MISS
     way: vec3f,       // position of the point in the upper row, in the lower row, and from row to row, 0 to 1
     upper: vec2u,     // the sample on the left in the upper row
     lower: vec2u,     // the sample on the left in the lower row
-    component: u32,
+    component: u32,   // MISS if the samples show other surfaces
+    apart: f32,       // the samples' largest distance from the point along the view, world units
 }
 
-fn nothing_around() -> Around { return Around(0u, vec4u(MISS), vec3f(0.0), vec2u(0u), vec2u(0u), MISS); }
+fn nothing_around() -> Around { return Around(0u, vec4u(MISS), vec3f(0.0), vec2u(0u), vec2u(0u), MISS, 0.0); }
 
 fn bits_around(eye: EarlierEye, point: vec3f, normal: vec3f, component: u32) -> Around {
     let there = point - eye.place;
@@ -139,7 +143,9 @@ fn bits_around(eye: EarlierEye, point: vec3f, normal: vec3f, component: u32) -> 
     let nearness = mix(mix(1.0 / depths.x, 1.0 / depths.y, way.x), mix(1.0 / depths.z, 1.0 / depths.w, way.y), way.z);
     let in_groove = depth * nearness - 1.0 > GROOVE * steepest;
     let sure = select(bits, bits & ~(bits << 16u), in_groove);
-    return Around(sure, vec4u(a.y, b.y, c.y, d.y), way, upper, lower, component);
+    let offsets = abs(depths - depth);
+    let farthest = max(max(offsets.x, offsets.y), max(offsets.z, offsets.w)) * length(there) / depth;
+    return Around(sure, vec4u(a.y, b.y, c.y, d.y), way, upper, lower, component, farthest);
 }
 
 // What surrounds the points of a lane's rays, if shares are reused.

@@ -167,9 +167,9 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let known = (of_ray_u(taken.known, ray) & bit) != 0u;
     if known {
         let open = select(0.0, 1.0, (of_ray_u(taken.lit, ray) & bit) != 0u);
-        // Without shares, one that several rays sample is recalled once. If it were recalled again, all would become 0
-        // or 1 in time.
-        if KEEP_SHARES || count == 1u { record_share(light, slot, ray, open, 1.0); }
+        // If no partial shares are kept, one that several rays sample is recalled once. If it were recalled again, all
+        // would become 0 or 1 in time.
+        if (KEEP_SHARES && slot < SHARES) || count == 1u { record_share(light, slot, ray, open, 1.0); }
         return open;
     }
     if !KEEP_SHARES || slot >= SHARES || (bit & ~of_ray_u(taken.busy, ray)) == 0u { return -1.0; }

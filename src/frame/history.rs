@@ -12,7 +12,7 @@ use crate::{
     scene::shadowing::{Kept, Shadowing},
 };
 
-/// Number of texels of an eye at the begin of the samples' last row, and of a box after it (`history.wgsl`).
+/// Number of texels of an eye at the beginning of the samples' last row, and of a box after it (`history.wgsl`).
 const EYE_TEXELS: u32 = 4;
 const BOX_TEXELS: u32 = 2;
 /// Maximum number of boxes of moved objects.

@@ -17,6 +17,8 @@ pub(crate) type Box3 = [Vec3; 2];
 pub(crate) struct Shadowing {
     /// The lights that have bits, without their intensity.
     lights: Vec<Light>,
+    /// Indices of the lights that are not points. They decide which share a light has, and whether there are any.
+    soft: Vec<usize>,
     shadows: bool,
     materials: Vec<Material>,
     textures: Vec<Texture>,
@@ -58,6 +60,7 @@ impl Shadowing {
                 .take(WITH_BITS)
                 .map(|&light| Light { intensity: Vec3::ZERO, ..light })
                 .collect(),
+            soft: scene.soft_lights().map(|(index, _)| index).collect(),
             shadows: scene.shadows,
             materials: scene.materials.clone(),
             textures: scene.textures.clone(),
@@ -99,9 +102,9 @@ impl Shadowing {
 
     /// Returns the parts that must not change for any bit to hold.
     fn fixed(&self) -> impl PartialEq + use<'_> {
-        let Self { shadows, materials, textures, planes, components, slots, .. } = self;
+        let Self { soft, shadows, materials, textures, planes, components, slots, .. } = self;
         let counts = [self.meshes.len(), self.spheres.len(), self.ellipsoids.len(), *slots];
-        (shadows, counts, (materials, textures, planes), components)
+        (soft, shadows, counts, (materials, textures, planes), components)
     }
 }
 

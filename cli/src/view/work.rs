@@ -1,9 +1,9 @@
 //! Runs the rendering thread. The thread has its own device, so the window responds during long frames.
 //!
 //! During motion the thread renders drafts with one sample per pixel, few rays to soft lights, and a size that takes
-//! about [`DRAFT`]. A large draft recalls the one before it ([`Options::history`]). After [`STILL`] without changes, the
-//! thread renders the whole picture, which recalls nothing. Light by paths is then refined pass by pass. The next change
-//! cancels this picture.
+//! about [`DRAFT`]. A large draft recalls the one before it ([`Options::history`]). After [`STILL`] without changes,
+//! the thread renders the whole picture, which recalls nothing. Light by paths is then refined pass by pass. The next
+//! change cancels this picture.
 
 use std::{
     ops::ControlFlow,
@@ -24,13 +24,13 @@ use crate::arguments::Global;
 const DRAFT: Duration = Duration::from_millis(80);
 /// Time without changes after which the whole picture is rendered.
 const STILL: Duration = Duration::from_millis(150);
-/// A draft becomes larger only if it then takes at most the first share of [`DRAFT`], and smaller only if it takes more
-/// than the second. Otherwise its size would alternate, and a draft of another size has no history.
+/// A draft grows only if it then takes at most the first share of [`DRAFT`]. It shrinks only if it takes more than the
+/// second. Otherwise its size would alternate, and a draft of another size has no history.
 const SHARES: [f64; 2] = [0.8, 1.25];
 /// Memory for the samples of earlier drafts in MiB.
 const HISTORY: u32 = 1024;
-/// Least number of pixels of a draft that recalls the one before it. In the built-in scenes smaller ones take as long
-/// without, and 1280x800 pixels a tenth less with (llvmpipe, 2026-11-27).
+/// Least number of pixels of a draft that recalls the one before it. Smaller ones take as long without. With 1280x800
+/// pixels the built-in scenes take a tenth less time (llvmpipe, 2026-11-27).
 const RECALLING: u32 = 1 << 18;
 /// Divisors of a draft's sides.
 const DIVISORS: [u32; 6] = [1, 2, 3, 4, 6, 8];
@@ -305,7 +305,7 @@ impl Work {
         let drafted = self.drafted(wanted);
         let (camera, options) = match stage {
             Stage::Whole => (wanted.camera, wanted.options.clone()),
-            Stage::Draft if recalls([w, h], &drafted) => (wanted.draft.size(w, h), drafted.clone().history(HISTORY)),
+            Stage::Draft if recalls([w, h], &drafted) => (wanted.draft.size(w, h), recalling(&drafted)),
             _ => (wanted.draft.size(w, h), drafted.clone()),
         };
         let (version, shared) = (wanted.version, self.shared.clone());
@@ -345,7 +345,12 @@ fn has_passes(options: &Options) -> bool {
 
 /// Returns whether a draft with this size in pixels recalls the draft before it.
 fn recalls([width, height]: [u32; 2], options: &Options) -> bool {
-    width * height >= RECALLING && options.clone().history(HISTORY).has_history()
+    width * height >= RECALLING && recalling(options).has_history()
+}
+
+/// Returns the options of a draft that recalls the one before it.
+fn recalling(options: &Options) -> Options {
+    options.clone().history(options.history.unwrap_or(HISTORY))
 }
 
 /// Returns the options of drafts. `soft` says whether the scene has lights that are not points.
