@@ -112,12 +112,11 @@ impl History {
         (self.scene, self.size) == (scene, size)
     }
 
-    /// Returns how a frame may use the history.
-    pub(crate) fn recall(&self, lit: &Lit) -> Recall {
-        match &self.earlier {
-            Some(earlier) => Recall::Read { bits: self.kept(earlier, lit).is_some() },
-            None => Recall::Keep,
-        }
+    /// Returns how a frame may use the history, and which of the earlier frame's visibility bits hold.
+    pub(crate) fn recall(&self, lit: &Lit) -> (Recall, Option<Kept>) {
+        let Some(earlier) = &self.earlier else { return (Recall::Keep, None) };
+        let kept = self.kept(earlier, lit);
+        (Recall::Read { bits: kept.is_some() }, kept)
     }
 
     /// Returns which of an earlier frame's visibility bits hold in a frame; `None` if none do.
@@ -132,12 +131,12 @@ impl History {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
-    pub(crate) async fn tell(&self, gpu: &Gpu, lit: &Lit) -> Result<(), Error> {
+    pub(crate) async fn tell(&self, gpu: &Gpu, kept: Option<&Kept>) -> Result<(), Error> {
         let Some(earlier) = &self.earlier else { return Ok(()) };
-        let kept = self.kept(earlier, lit).unwrap_or_default();
-        let words = [self.frames, kept.lights, kept.moved.len() as u32, 0];
+        let (lights, moved) = kept.map_or((0, &[][..]), |kept| (kept.lights, &kept.moved));
+        let words = [self.frames, lights, moved.len() as u32, 0];
         let eye = earlier.eye.into_iter().zip(words);
-        let boxes = kept.moved.as_flattened().iter().map(|corner| (*corner, 0));
+        let boxes = moved.as_flattened().iter().map(|corner| (*corner, 0));
         let texels = eye.chain(boxes).map(|(vector, word)| {
             let [x, y, z] = vector.to_array().map(f32::to_bits);
             [x, y, z, word]

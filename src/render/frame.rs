@@ -22,6 +22,7 @@ use crate::{
     message::counted,
     methods::{self, auto::CostModel},
     sampling::Jitter,
+    scene::shadowing::Kept,
     steps::paths::Paths,
     t_buffer::Drawn,
     view::rig::Eyes,
@@ -113,11 +114,11 @@ impl Renderer {
         let tables = scene.shadow_tables(&self.kernels, options).await?;
         let masked = wanted.masks().is_some();
         let drawn = if masked { None } else { self.drawn(scene, options) };
-        let recall = self.recall(scene, eyes, options, &wanted);
-        let mut planned = self.planned(scene, eyes, options, drawn, recall);
         let lit = Lit::of(&scene.shadowing, options);
+        let (recall, kept) = self.recall(scene, eyes, options, &wanted, &lit);
+        let mut planned = self.planned(scene, eyes, options, drawn, recall);
         if planned.2.remembers() {
-            match self.ready_history(scene, eyes.pose.size, &lit).await {
+            match self.ready_history(scene, eyes.pose.size, kept.as_ref()).await {
                 // A history only saves time, so the frame does without it.
                 Err(Error::OutOfMemory(_)) => planned = self.planned(scene, eyes, options, drawn, Recall::Nothing),
                 other => other?,
@@ -230,25 +231,32 @@ impl Renderer {
         Uniforms::new((0..eyes.sources.len()).map(view).collect(), parts_of(scene, options).collect())
     }
 
-    /// Returns how a frame may use the history. Frames of several traced views, of parts of a picture, and those whose
-    /// samples exceed [`Options::history`] have no history.
-    fn recall(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, wanted: &Wanted<'_>) -> Recall {
+    /// Returns how a frame may use the history, and which of its bits hold. Frames of several traced views, of parts of
+    /// a picture, and those whose samples exceed [`Options::history`] have no history.
+    fn recall(
+        &self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        wanted: &Wanted<'_>,
+        lit: &Lit,
+    ) -> (Recall, Option<Kept>) {
         let size = eyes.pose.size;
         let is_whole = wanted.masks().is_none() && wanted.rows(size).len() as u32 == size[1];
         let traced = eyes.sources.iter().enumerate().filter(|(view, source)| view == *source).count();
         let most = u64::from(options.history.unwrap_or(0)) << 20;
         let fits = History::bytes(&self.gpu, size).is_some_and(|bytes| bytes <= most);
         match &self.cache.history {
-            _ if !is_whole || traced > 1 || !fits => Recall::Nothing,
-            Some(history) if history.is_of(scene.id(), size) => history.recall(&Lit::of(&scene.shadowing, options)),
-            _ => Recall::Keep,
+            _ if !is_whole || traced > 1 || !fits => (Recall::Nothing, None),
+            Some(history) if history.is_of(scene.id(), size) => history.recall(lit),
+            _ => (Recall::Keep, None),
         }
     }
 
     /// Makes room for a frame's samples, or tells its kernels what holds of the earlier frame's.
-    async fn ready_history(&mut self, scene: &UploadedScene, size: [u32; 2], lit: &Lit) -> Result<(), Error> {
+    async fn ready_history(&mut self, scene: &UploadedScene, size: [u32; 2], kept: Option<&Kept>) -> Result<(), Error> {
         if let Some(history) = self.cache.history.as_ref().filter(|history| history.is_of(scene.id(), size)) {
-            return history.tell(&self.gpu, lit).await;
+            return history.tell(&self.gpu, kept).await;
         }
         self.cache.history = None; // its memory is freed first
         self.cache.history = Some(History::new(&self.gpu, scene.id(), size).await?);

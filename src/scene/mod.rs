@@ -246,10 +246,7 @@ impl Scene {
         let triangles = self.triangles.iter().filter(|t| !t.is_degenerate()).flat_map(|t| t.corners);
         let spheres = self.spheres.iter().flat_map(Sphere::corners);
         let ellipsoids = self.ellipsoids.iter().flat_map(Ellipsoid::corners);
-        triangles.chain(spheres).chain(ellipsoids).fold(None, |bounds: Option<(Vec3, Vec3)>, point| {
-            let (low, high) = bounds.unwrap_or((point, point));
-            Some((low.min(point), high.max(point)))
-        })
+        shadowing::around(triangles.chain(spheres).chain(ellipsoids)).map(|[low, high]| (low, high))
     }
 
     /// Returns the number of primitive ids. Degenerate triangles count.

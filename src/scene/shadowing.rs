@@ -12,7 +12,7 @@ const WITH_BITS: usize = 16;
 /// An axis-aligned box: its low and its high corner, relative to the scene's origin.
 pub(crate) type Box3 = [Vec3; 2];
 
-/// What the visibility of lights depended on when a scene was uploaded.
+/// The state of an uploaded scene, as far as the visibility of lights depends on it.
 #[derive(Debug)]
 pub(crate) struct Shadowing {
     /// The lights that have bits, without their intensity.
@@ -114,7 +114,7 @@ fn changed<'a, T: PartialEq>(now: &'a [T], then: &'a [T]) -> impl Iterator<Item 
 }
 
 /// Returns the box around points, or `None` without any.
-fn around(points: impl IntoIterator<Item = Vec3>) -> Option<Box3> {
+pub(super) fn around(points: impl IntoIterator<Item = Vec3>) -> Option<Box3> {
     points.into_iter().map(|point| [point; 2]).reduce(union)
 }
 
