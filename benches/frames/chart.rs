@@ -3,7 +3,7 @@
 
 use std::error::Error;
 
-use super::{Figures, Film, methods};
+use super::{Figures, Film, Sampled, methods};
 use crate::common::{
     chart::{Drawn, Legend, Panel, Point, WIDTH, axes, drawing, heading},
     looks,
@@ -32,8 +32,12 @@ pub(super) fn svg(
     let mut names: Vec<&str> = films.iter().map(|film| film.scene.as_str()).collect();
     names.dedup();
     // Naive's own point says nothing.
-    let drawn: Vec<(usize, &str)> =
-        methods(None).iter().map(|(name, _)| *name).skip(1).map(|name| (looks::of_method(name), name)).collect();
+    let drawn: Vec<(usize, &str)> = methods(Sampled::default())
+        .iter()
+        .map(|(name, _)| *name)
+        .skip(1)
+        .map(|name| (looks::of_method(name), name))
+        .collect();
     drawing(SIZE, &title, |root| {
         heading(root, &title, &provenance.source())?;
         for (panel, percent) in panels {

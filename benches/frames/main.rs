@@ -5,9 +5,9 @@
 //! frame. Figures are those of all frames but the first. `speed` is naive's time over the method's. Costs by counters
 //! are relative to naive's left view. `flicker` is the share of pixels whose colour is naive's in exactly one of two
 //! successive frames. Options are `--size`, `--frames` and `--e`, the parallax at infinity in pixels of a picture 600
-//! pixels wide. `--soft RAYS` makes all lights spheres, and adds the error of the last frame: the root mean square of
-//! its light's difference from a converged picture, relative to naive's. Names select scenes: built-in ones, or folders
-//! of OBJ files.
+//! pixels wide. `--soft RAYS` makes all lights spheres. `--paths PATHS` follows paths of two bounces. Both add the
+//! error of the last frame: the root mean square of its light's difference from a converged picture, relative to
+//! naive's. Names select scenes: built-in ones, or folders of OBJ files.
 
 mod chart;
 #[path = "../common/mod.rs"]
@@ -18,7 +18,7 @@ use std::{error::Error, fs, process::ExitCode};
 use clap::Parser;
 use serde_json::json;
 use stereotrace::{
-    Gpu, Light, Method, Options, Renderer, ShadowReuse, StereoCamera, StereoPair, UploadedScene,
+    Gpu, Light, Lighting, Method, Options, Renderer, ShadowReuse, StereoCamera, StereoPair, UploadedScene,
     blocking::Wait,
     glam::{DQuat, DVec3},
     metrics::compare,
@@ -56,6 +56,9 @@ struct Arguments {
     /// Makes all lights spheres, with a radius of a twentieth of the camera's distance, sampled by so many rays
     #[arg(long, value_name = "RAYS", value_parser = clap::value_parser!(u32).range(1..=32))]
     soft: Option<u32>,
+    /// Follows so many paths of light per pixel, with two bounces
+    #[arg(long, value_name = "PATHS", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    paths: Option<u32>,
     /// Scenes [default: spheres, hall, sponza, dragon]
     scenes: Vec<String>,
     /// Passed by cargo when it benchmarks; without it this is a smoke run
@@ -104,13 +107,40 @@ impl Path {
     }
 }
 
-/// Number of pictures of a converged picture, each with [`MOST_RAYS`] rays to a light.
+/// Number of pictures of a converged picture, each with [`MOST_RAYS`] rays to a light and [`MOST_PATHS`] paths.
 const CONVERGED: u32 = 8;
 const MOST_RAYS: u32 = 32;
+const MOST_PATHS: u32 = 128;
+const BOUNCES: u32 = 2;
 
-/// A method, with or without a history. Naive is the first. `soft` is the number of rays to each light.
-fn methods(soft: Option<u32>) -> [(&'static str, Options); 4] {
-    let by = |method| Options::new(method).shadow_rays(soft.unwrap_or(1)).linear(soft.is_some());
+/// The light that is sampled: the number of rays to each light, and of paths.
+#[derive(Clone, Copy, Default)]
+struct Sampled {
+    soft: Option<u32>,
+    paths: Option<u32>,
+}
+
+impl Sampled {
+    fn is_any(self) -> bool {
+        self.soft.is_some() || self.paths.is_some()
+    }
+
+    fn options(self, method: Method) -> Options {
+        let options = Options::new(method).shadow_rays(self.soft.unwrap_or(1)).linear(self.is_any());
+        match self.paths {
+            Some(samples) => options.lighting(Lighting::Paths { bounces: BOUNCES, samples }),
+            None => options,
+        }
+    }
+
+    fn converged(self) -> Self {
+        Self { soft: self.soft.map(|_| MOST_RAYS), paths: self.paths.map(|_| MOST_PATHS) }
+    }
+}
+
+/// A method, with or without a history. Naive is the first.
+fn methods(sampled: Sampled) -> [(&'static str, Options); 4] {
+    let by = |method| sampled.options(method);
     [
         ("naive", by(Method::Naive)),
         ("bracket", by(Method::BRACKET)),
@@ -153,6 +183,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         [] => usual.iter().map(|&name| name.to_owned()).collect(),
         named => named.to_vec(),
     };
+    let sampled = Sampled { soft: arguments.soft, paths: arguments.paths };
     let gpu = Gpu::new().wait()?;
     let provenance = Provenance::of(&gpu);
     println!("{provenance}\n\n{}x{}, {frames} frames after the first\n", size[0], size[1]);
@@ -169,7 +200,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
                 if arguments.soft.is_some() {
                     soften(&mut scene)?;
                 }
-                films.extend(measure(&mut renderer, &scene, frames, arguments.soft)?);
+                films.extend(measure(&mut renderer, &scene, frames, sampled)?);
             }
             None => println!("{}\n", scenes::skipped(name)),
         }
@@ -221,7 +252,8 @@ impl Film {
                 ("error_over_naive", json!(figures.error)),
             ]
         };
-        methods(None).iter().map(|(method, _)| *method).zip(&self.figures).zip(&times).map(record).collect()
+        let methods = methods(Sampled::default());
+        methods.iter().map(|(method, _)| *method).zip(&self.figures).zip(&times).map(record).collect()
     }
 }
 
@@ -239,17 +271,17 @@ fn measure(
     renderer: &mut Renderer,
     bench: &BenchScene,
     frames: u32,
-    soft: Option<u32>,
+    sampled: Sampled,
 ) -> Result<Vec<Film>, Box<dyn Error>> {
     let BenchScene { name, scene, camera } = bench;
     let uploaded = renderer.upload(scene).wait()?;
     let mut films = Vec::new();
     for (path_name, path) in Path::ALL {
         let cameras = (0..=frames).map(|frame| path.at(*camera, frame)).collect::<Result<Vec<_>, _>>()?;
-        let figures = film_figures(renderer, &uploaded, &cameras, soft)?;
+        let figures = film_figures(renderer, &uploaded, &cameras, sampled)?;
         let film = Film { scene: name.clone(), path: path_name, figures };
         let times = film.times();
-        for (((method, _), figures), ms) in methods(soft).into_iter().zip(&film.figures).zip(&times) {
+        for (((method, _), figures), ms) in methods(sampled).into_iter().zip(&film.figures).zip(&times) {
             let Figures { left, right, identical, wrong_surface, .. } = figures;
             println!(
                 "| {} | {path_name} | {method} | {ms:.0} | {:.2} | {left:.3} | {right:.3} | {identical:.3} | \
@@ -270,9 +302,9 @@ fn film_figures(
     renderer: &mut Renderer,
     scene: &UploadedScene,
     film: &[StereoCamera],
-    soft: Option<u32>,
+    sampled: Sampled,
 ) -> Result<Vec<Figures>, Box<dyn Error>> {
-    let methods = methods(soft);
+    let methods = methods(sampled);
     let mut all: Vec<Figures> = methods.iter().map(|_| Figures::default()).collect();
     // A history is of one method's frames, so both forms of bracket with one have renderers of their own.
     let mut renderers: Vec<Renderer> = methods.iter().map(|_| Renderer::new(renderer.gpu().clone())).collect();
@@ -308,10 +340,10 @@ fn film_figures(
                 figures.identical += 0.5 * share * difference.identical_percent;
                 figures.wrong_surface += 0.5 * share * difference.wrong_surface_percent;
             }
-            if soft.is_some() && frame + 1 == film.len() {
+            if sampled.is_any() && frame + 1 == film.len() {
                 let truth = match &converged {
                     Some(truth) => truth,
-                    None => converged.insert(converged_light(renderer, scene, camera)?),
+                    None => converged.insert(converged_light(renderer, scene, camera, sampled)?),
                 };
                 figures.error = Some(distance(&light_of(&pair), truth));
             }
@@ -330,15 +362,16 @@ fn light_of(pair: &StereoPair) -> Vec<f64> {
     both.into_iter().flatten().map(|&light| f64::from(light)).collect()
 }
 
-/// Returns the light of a picture by many rays.
+/// Returns the light of a picture by many rays and paths.
 fn converged_light(
     renderer: &mut Renderer,
     scene: &UploadedScene,
     camera: &StereoCamera,
+    sampled: Sampled,
 ) -> Result<Vec<f64>, stereotrace::Error> {
     let mut sum = Vec::new();
     for seed in 1..=CONVERGED {
-        let options = Options::new(Method::Naive).shadow_rays(MOST_RAYS).linear(true).seed(seed);
+        let options = sampled.converged().options(Method::Naive).seed(seed);
         let light = light_of(&renderer.pair(scene, camera).options(&options).read().wait()?);
         sum.resize(light.len(), 0.0);
         sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light / f64::from(CONVERGED));

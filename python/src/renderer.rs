@@ -287,7 +287,7 @@ impl Renderer {
     ///   ``(400, "hybrid")``. It has the number of rows of a table, and a rule: ``"object"``, ``"depth"`` or
     ///   ``"hybrid"``. Default ``None``.
     /// - ``history``: memory for samples of earlier frames in MiB. The next frame of the same scene and size finds the
-    ///   same first hits by them, and recalls the visibility of lights. Default ``None``.
+    ///   same first hits by them, and recalls the visibility of lights and the light of paths. Default ``None``.
     /// - ``count``: whether to count BVH nodes and primitive tests, which is slower. Default ``False``.
     ///
     /// Raises ``ValueError`` for invalid options, cameras and scenes. Raises ``LimitError`` if the picture or scene

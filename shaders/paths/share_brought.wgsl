@@ -48,7 +48,8 @@ fn take_light(pixel: vec2u, index: u32, seen: Pixel) -> bool {
     if !is_alike(seen.slot, material, source[first + 1u].slot) { return false; }
     let before = source_brought[first];
     let after = source_brought[first + 1u];
-    if before.paths == 0u || after.paths == 0u { return false; }
+    let counts = array(path_counts(before), path_counts(after));
+    if counts[0].x == 0u || counts[1].x == 0u { return false; }
     let variances = array(mean_variances(before), mean_variances(after));
     let diffuse = array(mean_diffuse(before), mean_diffuse(after));
     let glossy = array(mean_glossy(before), mean_glossy(after));
@@ -56,8 +57,8 @@ fn take_light(pixel: vec2u, index: u32, seen: Pixel) -> bool {
     let b = vec2f(luminance(diffuse[1]), luminance(glossy[1]));
     let chance = frame.paths.tolerance * sqrt(variances[0] + variances[1]);
     // The variance of a single path is unknown, so chance explains any difference.
-    let is_single = before.paths == 1u || after.paths == 1u;
-    let are_equal = (abs(a - b) <= max(chance, NEARLY_EQUAL * 0.5 * (a + b))) | vec2<bool>(is_single);
+    let is_single = (counts[0] == vec2u(1u)) | (counts[1] == vec2u(1u));
+    let are_equal = (abs(a - b) <= max(chance, NEARLY_EQUAL * 0.5 * (a + b))) | is_single;
     if !are_equal.x { return false; }
     brought[index].diffuse = mix(diffuse[0], diffuse[1], at.way);
     let variance = mix(variances[0], variances[1], at.way);

@@ -26,10 +26,6 @@ const SHARE_BITS: u32 = 5u;
 const ALL_OPEN: u32 = 30u;
 const UNASKED: u32 = 31u;
 
-// Minimum depth of a groove, as a share of the tolerated difference of parallax or depth. It is 1/128 pixel for a
-// tolerance of 0.75 pixels.
-const GROOVE: f32 = 1.0 / 96.0;
-
 fn light_mask(light: u32) -> u32 {
     return select(0u, 1u << (light & 15u), light < 16u);
 }

@@ -2,7 +2,7 @@
 // frames"). A bit is known if the four samples around a point show its surface, all know the bit, and agree. Some tiles
 // recall nothing in turn, so that each bit is traced anew after a while.
 
-//! use aims, bits, dice, fetch, frame, history, jitter, lane, light, pixels, table, tiles
+//! use aims, bits, dice, earlier_quad, fetch, frame, history, lane, light, pixels, table, tiles
 
 // One of this number of tiles recalls nothing in each frame.
 const ASKED_ANEW: u32 = 64u;
@@ -108,44 +108,18 @@ struct Around {
 fn nothing_around() -> Around { return Around(0u, vec4u(MISS), vec3f(0.0), vec2u(0u), vec2u(0u), MISS, 0.0); }
 
 fn bits_around(eye: EarlierEye, point: vec3f, normal: vec3f, component: u32) -> Around {
-    let there = point - eye.place;
-    // The earlier eye must have seen the same side of the surface.
-    if dot(there, normal) >= 0.0 { return nothing_around(); }
-    // The vector whose product with all directions to pixels is 1.
-    let across = cross(eye.step_x, eye.step_y);
-    let forward = across / dot(across, eye.corner);
-    let depth = dot(there, forward);
-    if !(depth > 0.0) { return nothing_around(); }
-    let aside = there / depth - eye.corner;
-    let place = in_steps_of(aside, eye.step_x, eye.step_y) - 0.5;
-    let size = vec2f(history_size());
-    if !(place.y >= 0.0 && place.y + 1.0 < size.y) { return nothing_around(); }
-    let row = u32(place.y);
-    // Samples of a row are offset from the centres of their pixels.
-    let columns = vec2f(place.x) - vec2f(row_offset(row), row_offset(row + 1u));
-    if !(all(columns >= vec2f(0.0)) && all(columns + 1.0 < vec2f(size.x))) { return nothing_around(); }
-    let upper = vec2u(u32(columns.x), row);
-    let lower = vec2u(u32(columns.y), row + 1u);
-    let way = vec3f(fract(columns), fract(place.y));
-    let a = textureLoad(history, upper, 0);
-    let b = textureLoad(history, upper + vec2u(1u, 0u), 0);
-    let c = textureLoad(history, lower, 0);
-    let d = textureLoad(history, lower + vec2u(1u, 0u), 0);
-    let depths = bitcast<vec4f>(vec4u(a.x, b.x, c.x, d.x));
-    let differ = vec4u(a.z, b.z, c.z, d.z) != vec4u(component);
-    // Largest difference of a sample's depth from the point's, as a share of the depth.
-    let steepest = STEEPEST * length(eye.step_x);
-    let apart = abs(depth / depths - 1.0);
-    if any(differ) || !all(apart <= vec4f(steepest)) { return nothing_around(); }
+    let quad = quad_around(eye, point, normal, component);
+    if !quad.shown { return nothing_around(); }
+    let a = quad.a;
+    let b = quad.b;
+    let c = quad.c;
+    let d = quad.d;
     let known = ((a.w & b.w & c.w & d.w) >> 16u) & ~((a.w ^ b.w) | (a.w ^ c.w) | (a.w ^ d.w)) & 0xffffu;
     let bits = (known << 16u) | (a.w & known);
-    // Reciprocals of depths are linear on a plane.
-    let nearness = mix(mix(1.0 / depths.x, 1.0 / depths.y, way.x), mix(1.0 / depths.z, 1.0 / depths.w, way.y), way.z);
-    let in_groove = depth * nearness - 1.0 > GROOVE * steepest;
-    let sure = select(bits, bits & ~(bits << 16u), in_groove);
-    let offsets = abs(depths - depth);
-    let farthest = max(max(offsets.x, offsets.y), max(offsets.z, offsets.w)) * length(there) / depth;
-    return Around(sure, vec4u(a.y, b.y, c.y, d.y), way, upper, lower, component, farthest);
+    let sure = select(bits, bits & ~(bits << 16u), is_in_groove(quad));
+    let offsets = abs(depths_of(quad) - quad.depth);
+    let farthest = max(max(offsets.x, offsets.y), max(offsets.z, offsets.w)) * length(point - eye.place) / quad.depth;
+    return Around(sure, vec4u(a.y, b.y, c.y, d.y), quad.way, quad.upper, quad.lower, component, farthest);
 }
 
 // What surrounds the points of a lane's rays, if shares are reused.
@@ -181,7 +155,7 @@ fn share_around(slot: u32, count: u32, ray: u32) -> f32 {
     let above = 0.5 * (all_shares.x + all_shares.y);
     let below = 0.5 * (all_shares.z + all_shares.w);
     if !is_chance(left, right, tolerance, rays) || !is_chance(above, below, tolerance, rays) { return -1.0; }
-    return mix(mix(shares.x, shares.y, around.way.x), mix(shares.z, shares.w, around.way.y), around.way.z);
+    return between_four(shares, around.way);
 }
 
 // Returns the share of the sample at a place, or UNASKED if it shows another component.
@@ -197,10 +171,3 @@ fn storable_share(share: f32, slot: u32, pixel: vec2u) -> f32 {
     let random = scrambled(vec3u(pixel.x, pixel.y + frame.band.first_row, slot + SHARES * earlier_frame())).x;
     return min(floor(share * f32(ALL_OPEN) + f32(random >> 8u) / 16777216.0), f32(ALL_OPEN));
 }
-
-//! if jitter is none
-fn row_offset(row: u32) -> f32 { return 0.0; }
-
-//! if jitter is rows
-// Returns the offset of a row's samples. It is the same in both frames, since bits are recalled for one seed only.
-fn row_offset(row: u32) -> f32 { return of_ray(sample_aside(U(row)), 0u); }

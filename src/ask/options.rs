@@ -315,14 +315,16 @@ impl Options {
 
     /// Sets the memory for samples of earlier frames in MiB, at least 1. A film's next frame then searches the tiles of
     /// its traced view only as deep as these samples landed, and recalls their visibility of lights where all samples
-    /// around a point agree (docs/BRACKET.md). Shares of soft light are interpolated ([`Penumbra::Shared`]). First hits
-    /// are the same as without, but for the rounding of adapters that contract operations. With `bracket-rays` all
-    /// light is traced anew. Where objects moved ([`Renderer::update`](crate::Renderer::update)), so is all light that
-    /// they may hide.
+    /// around a point agree (docs/BRACKET.md). Shares of soft light are interpolated ([`Penumbra::Shared`]), and the
+    /// light of paths is averaged over frames. First hits are the same as without, but for the rounding of adapters
+    /// that contract operations. With `bracket-rays` all light is traced anew. Where objects moved
+    /// ([`Renderer::update`](crate::Renderer::update)), so is all light that they may hide. Any change drops the light
+    /// of paths.
     ///
-    /// It takes 32 bytes per sample. A frame has no history if that is more memory, if it is adaptive, encoded, traced
-    /// in steps or drawn into a T-buffer, if several views are traced, and if `bracket`, `bracket-rays` or `auto` does
-    /// not make its views. Memory is freed by [`Renderer::forget`](crate::Renderer::forget).
+    /// It takes 32 bytes per sample, and 32 more if the light of paths is shared. A frame has no history if that is
+    /// more memory, if it is adaptive, encoded, traced in steps or drawn into a T-buffer, if several views are traced,
+    /// and if `bracket`, `bracket-rays` or `auto` does not make its views. Memory is freed by
+    /// [`Renderer::forget`](crate::Renderer::forget).
     pub fn history(mut self, mebibytes: impl Into<Option<u32>>) -> Self {
         self.history = mebibytes.into();
         self

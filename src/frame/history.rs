@@ -28,6 +28,8 @@ pub(crate) struct History {
     size: [u32; 2],
     /// Samples of the earlier frame and of the current one, each with a further row for their eye.
     samples: [wgpu::TextureView; 2],
+    /// The light that paths brought to the samples, if it is recalled.
+    light: Option<[wgpu::TextureView; 2]>,
     /// Bound and busy lights of each tile of the current view.
     bounds: wgpu::Buffer,
     /// The earlier frame; `None` before the first one.
@@ -65,6 +67,8 @@ impl Lit {
 pub(crate) struct Remembered {
     earlier: wgpu::TextureView,
     pub(crate) current: wgpu::TextureView,
+    /// The light of the earlier frame's paths, and room for that of the current one's.
+    light: Option<[wgpu::TextureView; 2]>,
     pub(crate) bounds: wgpu::Buffer,
 }
 
@@ -75,48 +79,61 @@ pub(crate) enum Recall {
     Nothing,
     /// It keeps the samples of its traced view.
     Keep,
-    /// It also reads those of an earlier frame: their depths, and their visibility bits if some of these hold.
-    Read { bits: bool },
+    /// It also reads those of an earlier frame: their depths, their visibility bits if some of these hold, and the
+    /// light that paths brought if nothing changed.
+    Read { bits: bool, light: bool },
 }
 
 impl History {
-    /// Returns the memory of a history in bytes, or `None` for a size that has none.
-    pub(crate) fn bytes(gpu: &Gpu, [width, height]: [u32; 2]) -> Option<u64> {
+    /// Returns the memory of a history in bytes, or `None` for a size that has none. `light` says whether it keeps the
+    /// light that paths brought.
+    pub(crate) fn bytes(gpu: &Gpu, [width, height]: [u32; 2], light: bool) -> Option<u64> {
         let most = gpu.limits.max_texture_dimension_2d;
         let fits = width >= EYE_TEXELS && width <= most && height < most;
         let samples = 2 * size_of::<Texel>() as u64 * u64::from(width) * (u64::from(height) + 1);
-        fits.then(|| samples + bounds_bytes([width, height]))
+        fits.then(|| samples * if light { 2 } else { 1 } + bounds_bytes([width, height]))
     }
 
     /// Creates a history without any samples.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
-    pub(crate) async fn new(gpu: &Gpu, scene: SceneId, size: [u32; 2]) -> Result<Self, Error> {
+    pub(crate) async fn new(gpu: &Gpu, scene: SceneId, size: [u32; 2], light: bool) -> Result<Self, Error> {
         let texels = size[0] as usize * (size[1] as usize + 1);
         let make = || {
-            let samples = [(); 2].map(|()| gpu.rows_of_texels("history", size[0], texels));
-            Ok((samples, gpu.storage_buffer("history_bounds", bounds_bytes(size))))
+            let two = |label| [(); 2].map(|()| gpu.rows_of_texels(label, size[0], texels));
+            let light = light.then(|| two("history_light"));
+            Ok((two("history"), light, gpu.storage_buffer("history_bounds", bounds_bytes(size))))
         };
-        let (samples, bounds) = gpu.checked(make).await?;
-        let new = Self { scene, size, samples, bounds, earlier: None, frames: 0 };
+        let (samples, light, bounds) = gpu.checked(make).await?;
+        let new = Self { scene, size, samples, light, bounds, earlier: None, frames: 0 };
         // The textures are filled for the reason of `samples_texture`.
-        for view in &new.samples {
+        for view in new.textures() {
             gpu.fill_rows(view.texture(), 0, std::iter::repeat_n([0; 4], texels)).await?;
         }
         new.written(gpu).await?;
         Ok(new)
     }
 
-    pub(crate) fn is_of(&self, scene: SceneId, size: [u32; 2]) -> bool {
-        (self.scene, self.size) == (scene, size)
+    pub(crate) fn is_of(&self, scene: SceneId, size: [u32; 2], light: bool) -> bool {
+        (self.scene, self.size, self.light.is_some()) == (scene, size, light)
+    }
+
+    /// Returns the number of frames so far.
+    pub(crate) fn frames(&self) -> u32 {
+        self.frames
+    }
+
+    fn textures(&self) -> impl Iterator<Item = &wgpu::TextureView> {
+        self.samples.iter().chain(self.light.iter().flatten())
     }
 
     /// Returns how a frame may use the history, and which of the earlier frame's visibility bits hold.
     pub(crate) fn recall(&self, lit: &Lit) -> (Recall, Option<Kept>) {
         let Some(earlier) = &self.earlier else { return (Recall::Keep, None) };
         let kept = self.kept(earlier, lit);
-        (Recall::Read { bits: kept.is_some() }, kept)
+        let light = kept.as_ref().is_some_and(|kept| kept.unchanged);
+        (Recall::Read { bits: kept.is_some(), light }, kept)
     }
 
     /// Returns which of an earlier frame's visibility bits hold in a frame; `None` if none do.
@@ -148,13 +165,14 @@ impl History {
 
     pub(crate) fn remembered(&self) -> Remembered {
         let [earlier, current] = self.samples.clone();
-        Remembered { earlier, current, bounds: self.bounds.clone() }
+        Remembered { earlier, current, light: self.light.clone(), bounds: self.bounds.clone() }
     }
 
     /// Makes the current frame's samples those of the earlier frame. `eye` is the eye of the traced view.
     pub(crate) fn turn(&mut self, eye: &layout::Eyes, lit: Lit) {
         self.frames = self.frames.wrapping_add(1);
         self.samples.swap(0, 1);
+        self.light.iter_mut().for_each(|light| light.swap(0, 1));
         let eye = [eye.target_eye, eye.target_corner, eye.step_x, eye.step_y].map(Vec3::from);
         self.earlier = Some(Earlier { eye, lit });
     }
@@ -168,7 +186,7 @@ impl History {
 /// A browser frees textures only at garbage collection, unless they are destroyed.
 impl Drop for History {
     fn drop(&mut self) {
-        self.samples.iter().for_each(|view| view.texture().destroy());
+        self.textures().for_each(|view| view.texture().destroy());
         self.bounds.destroy();
     }
 }
@@ -177,6 +195,10 @@ impl Remembered {
     pub(crate) fn add_resources(&self, all: &mut Resources) {
         all.set(Resource::History, Held::from(&self.earlier));
         all.set(Resource::HistoryBounds, Held::from(&self.bounds));
+        if let Some([earlier, current]) = &self.light {
+            all.set(Resource::EarlierLight, Held::from(earlier));
+            all.set(Resource::KeptLight, Held::from(current));
+        }
     }
 }
 

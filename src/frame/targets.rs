@@ -42,7 +42,7 @@ impl Resource {
                 Some((self, 0))
             }
             Self::Frame | Self::Bvh | Self::Geometry | Self::Table | Self::ObjectTable => None,
-            Self::History | Self::HistoryBounds => None,
+            Self::History | Self::HistoryBounds | Self::EarlierLight | Self::KeptLight => None,
             Self::Slots | Self::SecondSamples | Self::Wanted | Self::ShadowBuffers | Self::Picture => None,
             Self::Texels | Self::Steps | Self::RayList | Self::Found => None,
             Self::NoisyLight | Self::SmoothLight | Self::Guides => None,

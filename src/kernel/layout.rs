@@ -299,3 +299,7 @@ pub(crate) const LARGE: f32 = 64.0;
 /// width, in pixels of their size on the screen. It corresponds to an angle of 88.4 degrees at the screen, a larger
 /// angle in front of it, and a smaller one beyond it.
 pub(crate) const STEEPEST: f32 = 36.0;
+
+/// Minimum depth of a groove, as a share of the tolerated difference of parallax or depth. It is 1/128 pixel for a
+/// tolerance of 0.75 pixels.
+pub(crate) const GROOVE: f32 = 1.0 / 96.0;

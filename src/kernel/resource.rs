@@ -38,6 +38,9 @@ resources! {
     /// Samples of an earlier frame's view, and search bounds by them for each tile of the whole current view.
     History = "history",
     HistoryBounds = "history_bounds",
+    /// Light that paths brought to an earlier frame's view, and room for that of the current view.
+    EarlierLight = "earlier_light",
+    KeptLight = "kept_light",
     /// Counters of each row of the current view, followed by its cost map and its masks of soft light.
     Counters = "counters",
     /// Counters of the source view.

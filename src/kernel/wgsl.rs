@@ -74,6 +74,8 @@ pub(crate) const SHARED: &[Part] = shared![
     "dice",
     "display",
     "double_float",
+    "earlier_light",
+    "earlier_quad",
     "ellipsoid",
     "emitters",
     "facets",

@@ -78,9 +78,10 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
     let all = 0..sources.len();
     let traced = all.clone().filter(|&view| sources[view] == view);
     let recall = if samples && !reaches && drawn.is_none() { views.recall } else { Recall::Nothing };
-    let (reads, recalls) = match recall {
-        Recall::Read { bits: same } => (true, same && bits == ShadowReuse::Two),
-        Recall::Nothing | Recall::Keep => (false, false),
+    let shares = shares_light(method, paths);
+    let (reads, recalls, recalls_light) = match recall {
+        Recall::Read { bits: same, light } => (true, same && bits == ShadowReuse::Two, light && shares),
+        Recall::Nothing | Recall::Keep => (false, false, false),
     };
     let source = |view| match drawn {
         Some(drawn) => t_buffer::view(view, drawn, soft),
@@ -88,7 +89,8 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
         None => trace::source(view, soft),
     };
     let before = traced.clone().filter(|_| reads).flat_map(|view| history::bound(view, recalls)).collect();
-    let kept = traced.clone().filter(|_| recall != Recall::Nothing).map(Step::Remember).collect();
+    let keep = |view| [Some(Step::Remember(view)), shares.then(|| paths::kept(view))].into_iter().flatten();
+    let kept = traced.clone().filter(|_| recall != Recall::Nothing).flat_map(keep).collect();
     let traced = traced.flat_map(|view| [source(view), behind(view)].concat()).collect();
     let mut stages = vec![Stage::Steps(traced)];
     for (view, source) in targets(sources) {
@@ -98,11 +100,14 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
         }
     }
     // Methods that copy colour copy it before paths add to it.
-    let shares = bits == ShadowReuse::Two && paths.is_some_and(|paths| paths.is_shared);
     let (sharing, own): (Vec<usize>, Vec<usize>) = all.clone().partition(|&view| shares && sources[view] != view);
     let followed = |view| paths.map_or(Vec::new(), |paths| paths::of(view, paths));
     let shared = |view| paths.map_or(Vec::new(), |paths| paths::shared(view, paths));
-    stages.extend(own.into_iter().map(|view| Stage::Steps(followed(view))));
+    let own_paths = |view| match paths {
+        Some(paths) if recalls_light => paths::recalled(view, paths),
+        _ => followed(view),
+    };
+    stages.extend(own.into_iter().map(|view| Stage::Steps(own_paths(view))));
     stages.extend(sharing.into_iter().map(|view| Stage::Steps(shared(view))));
     stages.push(Stage::Steps(kept));
     let traced = match (drawn, recall) {
@@ -117,6 +122,11 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
     });
     let in_steps = in_steps.collect();
     Plan { before, stages: joined(stages), bits, samples, search, reaches, made, sources: sources.to_vec(), in_steps }
+}
+
+/// Returns whether a method reuses the light of paths, from view to view and from frame to frame.
+pub(crate) fn shares_light(method: Method, paths: Option<Paths>) -> bool {
+    promise(method, false).bits == ShadowReuse::Two && paths.is_some_and(|paths| paths.is_shared)
 }
 
 fn promise(method: Method, drawn: bool) -> Promise {

@@ -118,7 +118,7 @@ impl Renderer {
         let (recall, kept) = self.recall(scene, eyes, options, &wanted, &lit);
         let mut planned = self.planned(scene, eyes, options, drawn, recall);
         if planned.2.remembers() {
-            match self.ready_history(scene, eyes.pose.size, kept.as_ref()).await {
+            match self.ready_history(scene, eyes.pose.size, options, kept.as_ref()).await {
                 // A history only saves time, so the frame does without it.
                 Err(Error::OutOfMemory(_)) => planned = self.planned(scene, eyes, options, drawn, Recall::Nothing),
                 other => other?,
@@ -142,8 +142,12 @@ impl Renderer {
         let (tables, shadow_buffer) = tables.unzip();
         let shared = scene.resources_for(&self.gpu, &used, tables.as_deref()).await?;
         let model = scene.cost_model(&self.gpu, options);
-        let uniforms = self.uniforms(scene, eyes, options, (&model, &targets.shape));
-        let history = self.cache.history.as_ref().filter(|_| plan.remembers()).map(History::remembered);
+        let history = self.cache.history.as_ref().filter(|_| plan.remembers());
+        // Paths of later frames differ, so that their means become better.
+        let later = Paths::of(options, 0).filter(|_| keeps_light(options)).zip(history);
+        let earlier_paths = later.map_or(0, |(paths, history)| paths.each.wrapping_mul(history.frames()));
+        let history = history.map(History::remembered);
+        let uniforms = self.uniforms(scene, eyes, options, (&model, &targets.shape, earlier_paths));
         let setting = Setting { eyes, variant, targets: &targets, uniforms, shared, history };
         let mut frame = Frame {
             ids: Ids { of_slots: &scene.ids, objects: &scene.objects },
@@ -188,7 +192,7 @@ impl Renderer {
         scene: &UploadedScene,
         eyes: &Eyes,
         options: &Options,
-        (model, shape): (&CostModel, &Shape),
+        (model, shape, earlier_paths): (&CostModel, &Shape, u32),
     ) -> Uniforms {
         let jitter = Jitter::of(options);
         let paths = Paths::of(options, 0);
@@ -224,7 +228,7 @@ impl Renderer {
             paths: layout::PathRay {
                 bounces: paths.map_or(0, |paths| paths.rays - 1),
                 tolerance: options.penumbra.tolerance(),
-                first: options.pass.first_path,
+                first: options.pass.first_path.wrapping_add(earlier_paths),
                 ..Default::default()
             },
         };
@@ -245,21 +249,29 @@ impl Renderer {
         let is_whole = wanted.masks().is_none() && wanted.rows(size).len() as u32 == size[1];
         let traced = eyes.sources.iter().enumerate().filter(|(view, source)| view == *source).count();
         let most = u64::from(options.history.unwrap_or(0)) << 20;
-        let fits = History::bytes(&self.gpu, size).is_some_and(|bytes| bytes <= most);
+        let light = keeps_light(options);
+        let fits = History::bytes(&self.gpu, size, light).is_some_and(|bytes| bytes <= most);
         match &self.cache.history {
             _ if !is_whole || traced > 1 || !fits => (Recall::Nothing, None),
-            Some(history) if history.is_of(scene.id(), size) => history.recall(lit),
+            Some(history) if history.is_of(scene.id(), size, light) => history.recall(lit),
             _ => (Recall::Keep, None),
         }
     }
 
     /// Makes room for a frame's samples, or tells its kernels what holds of the earlier frame's.
-    async fn ready_history(&mut self, scene: &UploadedScene, size: [u32; 2], kept: Option<&Kept>) -> Result<(), Error> {
-        if let Some(history) = self.cache.history.as_ref().filter(|history| history.is_of(scene.id(), size)) {
+    async fn ready_history(
+        &mut self,
+        scene: &UploadedScene,
+        size: [u32; 2],
+        options: &Options,
+        kept: Option<&Kept>,
+    ) -> Result<(), Error> {
+        let light = keeps_light(options);
+        if let Some(history) = self.cache.history.as_ref().filter(|history| history.is_of(scene.id(), size, light)) {
             return history.tell(&self.gpu, kept).await;
         }
         self.cache.history = None; // its memory is freed first
-        self.cache.history = Some(History::new(&self.gpu, scene.id(), size).await?);
+        self.cache.history = Some(History::new(&self.gpu, scene.id(), size, light).await?);
         Ok(())
     }
 
@@ -386,6 +398,11 @@ impl Renderer {
         self.cache.targets.push(targets.clone());
         Ok(targets)
     }
+}
+
+/// Returns whether a history also keeps the light that paths brought.
+fn keeps_light(options: &Options) -> bool {
+    methods::shares_light(options.method, Paths::of(options, 0))
 }
 
 /// Returns the parts of soft light and of paths, whether or not a step uses them.

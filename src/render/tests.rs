@@ -177,7 +177,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
         let options = &Options::new(Method::Naive);
         let model = scene.cost_model(&renderer.gpu, options);
         let shared = scene.resources_for(&renderer.gpu, &used, None).await?;
-        let uniforms = renderer.uniforms(&scene, eyes, options, (&model, &targets.shape));
+        let uniforms = renderer.uniforms(&scene, eyes, options, (&model, &targets.shape, 0));
         let setting = Setting { eyes, variant, targets: &targets, uniforms, shared, history: None };
         let mut driver = Driver::new(renderer.engine(true), setting, &mut go_on);
         driver.begin(&plan).await?;

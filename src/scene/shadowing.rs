@@ -38,6 +38,8 @@ pub(crate) struct Kept {
     pub(crate) lights: u32,
     /// Boxes around objects that moved, before and after. They may hide a light whose ray to a point meets a box.
     pub(crate) moved: Vec<Box3>,
+    /// Whether nothing changed, so that the light of paths holds too.
+    pub(crate) unchanged: bool,
 }
 
 impl Shadowing {
@@ -77,7 +79,7 @@ impl Shadowing {
     /// ambient light has the bit after the lights'. It holds only if nothing changed.
     pub(crate) fn since(self: &Arc<Self>, earlier: &Arc<Self>, most: u32) -> Option<Kept> {
         if Arc::ptr_eq(self, earlier) {
-            return Some(Kept { lights: (1 << WITH_BITS) - 1, moved: Vec::new() });
+            return Some(Kept { lights: (1 << WITH_BITS) - 1, moved: Vec::new(), unchanged: true });
         }
         if self.fixed() != earlier.fixed() {
             return None;
@@ -97,7 +99,7 @@ impl Shadowing {
         }
         let lights = self.lights.iter().zip(&earlier.lights).enumerate();
         let lights = lights.filter(|(_, (now, then))| now == then).map(|(index, _)| 1 << index).sum();
-        Some(Kept { lights, moved: at_most(most, &mut moved) })
+        Some(Kept { lights, moved: at_most(most, &mut moved), unchanged: false })
     }
 
     /// Returns the parts that must not change for any bit to hold.
@@ -184,7 +186,7 @@ mod tests {
         scene.transform_object(0, &Affine3A::from_translation(Vec3::new(0.5, 0.5, 0.0))).unwrap();
         let second = state(&scene, Some(&first));
         let near = [Vec3::ZERO, Vec3::new(1.5, 1.5, 0.0)];
-        assert_eq!(second.since(&first, 16), Some(Kept { lights: 0, moved: vec![near] }));
+        assert_eq!(second.since(&first, 16), Some(Kept { lights: 0, moved: vec![near], unchanged: false }));
         assert_eq!(second.since(&first, 0), None, "no room for a box");
         scene.transform_object(0, &Affine3A::from_translation(Vec3::splat(5.0))).unwrap();
         scene.transform_object(2, &Affine3A::from_translation(Vec3::X)).unwrap();

@@ -17,6 +17,10 @@ pub(crate) const BEGIN_PATHS: Kernel = kernel!("paths", "begin_paths", Role::Pat
 pub(crate) const BEGIN_LISTED_PATHS: Kernel = kernel!("paths", "begin_listed_paths", Role::Paths);
 /// Reuses light of a source view, and lists the pixels that need paths of their own.
 pub(crate) const SHARE_BROUGHT: Kernel = kernel!("paths", "share_brought", Role::SharePaths);
+/// Recalls light of an earlier frame, and lists the pixels that need paths of their own.
+pub(crate) const RECALL_BROUGHT: Kernel = kernel!("paths", "recall_brought", Role::Paths);
+/// Keeps a view's light for the next frame.
+pub(crate) const KEEP_BROUGHT: Kernel = kernel!("paths", "keep_brought", Role::Paths);
 pub(crate) const TRACE_PATHS: Kernel = kernel!("paths", "trace_paths", Role::Paths);
 pub(crate) const ADD_BROUGHT: Kernel = kernel!("paths", "add_brought", Role::Paths);
 
@@ -60,9 +64,23 @@ pub(crate) fn of(view: usize, paths: Paths) -> Vec<Step> {
 /// Returns the steps that reuse light of a view's source, follow paths for the rest, and add their light. The
 /// source's paths have been followed.
 pub(crate) fn shared(view: usize, paths: Paths) -> Vec<Step> {
+    listed(&SHARE_BROUGHT, view, paths)
+}
+
+/// Returns the steps that recall light of an earlier frame, follow paths for the rest, and add a view's light.
+pub(crate) fn recalled(view: usize, paths: Paths) -> Vec<Step> {
+    listed(&RECALL_BROUGHT, view, paths)
+}
+
+/// Returns the steps that follow paths in the pixels that a kernel lists.
+fn listed(lists: &'static Kernel, view: usize, paths: Paths) -> Vec<Step> {
     let begin = step(&BEGIN_LISTED_PATHS, view, Launch::Listed(Resource::Lists, TO_TRACE));
-    let share = vec![Step::EmptyLists, step(&SHARE_BROUGHT, view, Launch::Pixels)];
-    [share, followed(view, paths, begin)].concat()
+    [vec![Step::EmptyLists, step(lists, view, Launch::Pixels)], followed(view, paths, begin)].concat()
+}
+
+/// Returns the step that keeps a view's light for the next frame.
+pub(crate) fn kept(view: usize) -> Step {
+    step(&KEEP_BROUGHT, view, Launch::Pixels)
 }
 
 fn followed(view: usize, paths: Paths, begin: Step) -> Vec<Step> {

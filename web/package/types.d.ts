@@ -84,7 +84,7 @@ export interface RenderOptions {
     visibility?: "rays" | "t-buffer";
     /** Shadow buffers in place of shadow rays to point lights: rows of a table, and a rule. */
     shadowBuffer?: { rows: number; rule: "object" | "depth" | "hybrid" } | null;
-    /** Memory for samples of earlier frames in MiB, by which the next frame finds first hits and visible lights. */
+    /** Memory for samples of earlier frames in MiB, by which the next frame finds first hits and light. */
     history?: number | null;
     /** Exposure in stops, -64 to 64. */
     exposure?: number;

@@ -26,7 +26,9 @@ use crate::{
             TRACE_SOFT_RECALLED,
         },
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
-        paths::{ADD_BROUGHT, BEGIN_LISTED_PATHS, BEGIN_PATHS, SHARE_BROUGHT, TRACE_PATHS},
+        paths::{
+            ADD_BROUGHT, BEGIN_LISTED_PATHS, BEGIN_PATHS, KEEP_BROUGHT, RECALL_BROUGHT, SHARE_BROUGHT, TRACE_PATHS,
+        },
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
         soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
@@ -36,12 +38,14 @@ use crate::{
     view::rig::Projection,
 };
 
-pub(super) const ALL: [&Kernel; 68] = [
+pub(super) const ALL: [&Kernel; 70] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &BEGIN_PATHS,
     &BEGIN_LISTED_PATHS,
     &SHARE_BROUGHT,
+    &RECALL_BROUGHT,
+    &KEEP_BROUGHT,
     &TRACE_PATHS,
     &ADD_BROUGHT,
     &SMOOTH_VARIANCES,

@@ -3,7 +3,7 @@
 use super::{Shadows, SkyKind, SoftRole, TexelPlaces, Variant, light_texels, material_texels};
 use crate::{
     ShadowReuse,
-    kernel::layout::{LARGE, STEEPEST},
+    kernel::layout::{GROOVE, LARGE, STEEPEST},
     kernel::traversal::{Boxes, Fetch, RaysPerLane},
     kernel::wgsl::{self, Choice, Linked},
     kernel::{Canvas, Dispatches, Does, Kernel, Role, SampleUse, Visible},
@@ -170,6 +170,7 @@ impl Kernel {
             flag("CLOSE", with.close),
             ("LARGE", "f32", format!("{LARGE:?}")),
             ("STEEPEST", "f32", format!("{STEEPEST:?}")),
+            ("GROOVE", "f32", format!("{GROOVE:?}")),
             flag("SHINE", shine),
             flag("FACETS", shine && with.paths),
             number("MATERIAL_TEXELS", material_texels(with.shine || with.mirrors, with.principled, with.coats) as u32),

@@ -12,7 +12,7 @@ use crate::{
 
 /// Factor on the bound, since a surface between two samples may be slightly deeper than both.
 const BETWEEN: f32 = 1.001;
-/// `GROOVE` of `bits.wgsl`.
+/// `GROOVE` of `src/kernel/layout.rs`.
 const GROOVE: f32 = 1.0 / 96.0;
 /// `REACH_OF_SHADOW`, `REACH_OF_LIGHT` and `FLAT` of `mark_busy.wgsl`.
 const REACH_OF_SHADOW: f32 = 32.0;

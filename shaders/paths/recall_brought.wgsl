@@ -1,0 +1,117 @@
+// Recalls the light that paths brought to an earlier frame's view, where the four samples around a pixel's point show
+// its surface and chance explains their differences. Lists the pixels that need paths of their own: those without known
+// light, and one of ASKED_AGAIN in turn, whose new paths are added to the earlier ones.
+//
+// launch  one thread per pixel of the current rows
+// reads   view           [height * width]
+// reads   history        [picture height + 1, width]   samples; its last row holds the eye of the earlier frame
+// reads   earlier_light  [picture height, width]
+// writes  brought        [height * width]
+// appends lists          TO_TRACE
+
+//! use camera, display, earlier_light, earlier_quad, facets, frame, history, lane, lists, paths, pixels, planes
+//! use primitives, rays, scattering, view, wanted
+
+var<storage, read_write> view: array<Pixel>;
+var earlier_light: texture_2d<u32>;
+var<storage, read_write> brought: array<Brought>;
+var<storage, read_write> lists: Lists;
+
+// One of this number of pixels follows new paths in each frame.
+const ASKED_AGAIN: u32 = 8u;
+// Pixels whose light is the mean of fewer paths follow new ones in each frame.
+const ENOUGH: u32 = 4u;
+// Minimum cosine between the shading normals of a point and of the samples around it.
+const ALIKE: f32 = 0.98;
+// Share of their mean by which samples may always differ.
+const NEARLY_EQUAL: f32 = 0.02;
+// Least alpha of highlights that are recalled: in any case, and per radian between the two views of a point. Light is
+// recalled many times, so the alpha per radian is that of `share_brought` times the frames that a mean is made of.
+const LEAST_WIDTH: f32 = 0.05;
+const WIDTH_PER_TURN: f32 = 2.5 * 32.0;
+// Largest difference between the widths of lobes.
+const SAME_WIDTH: f32 = 0.04;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn recall_brought(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    if !all_rays(inside_rows(pixels)) { return; }
+    let hits = target_hits(pixels, true);
+    if hits.primitive == MISS { return; }
+    let pixel = pixel_of_ray(pixels, 0u);
+    let index = pixel_index(pixel);
+    if !recall_light(pixels, hits, pixel, index) { append(TO_TRACE, reserve(TO_TRACE, 1u), index); }
+}
+
+// Takes the light that is known, and returns whether the pixel needs no new paths.
+fn recall_light(pixels: Pixels, hits: Hits, pixel: vec2u, index: u32) -> bool {
+    let rays = rays_of(pixels);
+    let vertex = vertex_at(rays, hits);
+    let component = surface_at(rays, hits, 0u).component;
+    let eye = earlier_eye();
+    let quad = quad_around(eye, vertex.point, vertex.geometric_normal, component);
+    if !quad.shown || is_in_groove(quad) { return false; }
+    let a = light_there(quad.upper);
+    let b = light_there(quad.upper + vec2u(1u, 0u));
+    let c = light_there(quad.lower);
+    let d = light_there(quad.lower + vec2u(1u, 0u));
+    let counts = array(
+        vec4u(a.counts.x, b.counts.x, c.counts.x, d.counts.x),
+        vec4u(a.counts.y, b.counts.y, c.counts.y, d.counts.y),
+    );
+    if any(counts[0] == vec4u(0u)) { return false; }
+    let normal = vertex.normal;
+    let cosines = vec4f(dot(a.normal, normal), dot(b.normal, normal), dot(c.normal, normal), dot(d.normal, normal));
+    if any(cosines < vec4f(ALIKE)) { return false; }
+    let diffuse_variances = vec4f(a.variances.x, b.variances.x, c.variances.x, d.variances.x);
+    if !agree(brightness(a.diffuse, b.diffuse, c.diffuse, d.diffuse), diffuse_variances, counts[0]) { return false; }
+    let way = quad.way;
+    let width = lobe_width(vertex.lobes);
+    var sum: Brought;
+    sum.marks = DIFFUSE_KNOWN | (u32(width * 65535.0) << 16u);
+    sum.diffuse = light_between(a.diffuse, b.diffuse, c.diffuse, d.diffuse, way);
+    sum.newest.x = between_four(diffuse_variances, way);
+    var earlier = vec2u(u32(between_four(vec4f(counts[0]), way)), 0u);
+    let glossy_variances = vec4f(a.variances.y, b.variances.y, c.variances.y, d.variances.y);
+    let least = max(LEAST_WIDTH, WIDTH_PER_TURN * distance(eye.place, frame.eyes.target_eye) / quad.depth);
+    let same = abs(vec4f(a.width, b.width, c.width, d.width) - width) <= vec4f(SAME_WIDTH);
+    if width >= min(least, 1.0) && all(same) && all(counts[1] > vec4u(0u))
+        && agree(brightness(a.glossy, b.glossy, c.glossy, d.glossy), glossy_variances, counts[1]) {
+        let tint = tint_of(vertex.lobes);
+        sum.marks |= GLOSSY_KNOWN;
+        sum.glossy = light_between(a.glossy, b.glossy, c.glossy, d.glossy, way) * tint;
+        sum.newest.y = between_four(glossy_variances, way) * luminance(tint) * luminance(tint);
+        earlier.y = u32(between_four(vec4f(counts[1]), way));
+    }
+    let is_turn = is_asked_again(pixel) || earlier.x < ENOUGH;
+    brought[index] = with_earlier(sum, earlier, is_turn);
+    return !is_turn && has_mark(sum, GLOSSY_KNOWN);
+}
+
+fn light_there(place: vec2u) -> EarlierLight { return unpacked_light(textureLoad(earlier_light, place, 0)); }
+
+fn brightness(a: vec3f, b: vec3f, c: vec3f, d: vec3f) -> vec4f {
+    return vec4f(luminance(a), luminance(b), luminance(c), luminance(d));
+}
+
+fn light_between(a: vec3f, b: vec3f, c: vec3f, d: vec3f, way: vec3f) -> vec3f {
+    return mix(mix(a, b, way.x), mix(c, d, way.y), way.z);
+}
+
+// Returns whether chance explains the differences between the sides, and between the diagonals, of four samples. The
+// variance of a single path is unknown, so chance explains any difference. That of few paths is known roughly.
+fn agree(values: vec4f, variances: vec4f, counts: vec4u) -> bool {
+    let fewest = min(min(counts.x, counts.y), min(counts.z, counts.w));
+    let deviation = (0.5 + 1.0 / f32(fewest)) * sqrt(dot(variances, vec4f(1.0)));
+    let limit = max(frame.paths.tolerance * deviation, NEARLY_EQUAL * 0.25 * dot(values, vec4f(1.0)));
+    let differences = 0.5 * vec3f(
+        dot(values, vec4f(1.0, -1.0, 1.0, -1.0)),
+        dot(values, vec4f(1.0, 1.0, -1.0, -1.0)),
+        dot(values, vec4f(1.0, -1.0, -1.0, 1.0)),
+    );
+    return all(abs(differences) <= vec3f(limit)) || fewest == 1u;
+}
+
+fn is_asked_again(pixel: vec2u) -> bool {
+    return (pixel.x + 3u * (pixel.y + frame.band.first_row) + 5u * earlier_frame()) % ASKED_AGAIN == 0u;
+}
