@@ -25,11 +25,13 @@ fn light_of(pixels: Pixels, sum: Brought, place: vec2u) -> vec4u {
     if counts.x == 0u { return vec4u(0u); }
     let vertex = vertex_at(rays_of(pixels), target_hits(pixels, true));
     let tint = tint_of(vertex.lobes);
-    let brightness = vec2f(1.0, luminance(tint));
+    let diffuse = mean_diffuse(sum);
+    let glossy = mean_glossy(sum);
+    let brightness = max(vec2f(luminance(diffuse), luminance(glossy)), vec2f(1e-30));
     let light = EarlierLight(
-        mean_diffuse(sum),
-        mean_glossy(sum) / tint,
-        mean_variances(sum) / (brightness * brightness),
+        diffuse,
+        glossy / tint,
+        sqrt(mean_variances(sum)) / brightness,
         counts,
         lobe_width(vertex.lobes),
         vertex.normal,

@@ -9,7 +9,7 @@
 // writes  brought        [height * width]
 // appends lists          TO_TRACE
 
-//! use camera, display, earlier_light, earlier_quad, facets, frame, history, lane, lists, paths, pixels, planes
+//! use camera, dice, display, earlier_light, earlier_quad, facets, frame, history, lane, lists, paths, pixels, planes
 //! use primitives, rays, scattering, view, wanted
 
 var<storage, read_write> view: array<Pixel>;
@@ -25,10 +25,12 @@ const ENOUGH: u32 = 4u;
 const ALIKE: f32 = 0.98;
 // Share of their mean by which samples may always differ.
 const NEARLY_EQUAL: f32 = 0.02;
-// Least alpha of highlights that are recalled: in any case, and per radian between the two views of a point. Light is
-// recalled many times, so the alpha per radian is that of `share_brought` times the frames that a mean is made of.
+// Glossy light is the mean of that of about so many frames. A pixel follows new paths in one of ASKED_AGAIN frames.
+const GLOSSY_FRAMES: u32 = 32u;
+// Least alpha of highlights that are recalled: in any case, and per radian between the two views of a point. The latter
+// is that of `share_brought` times the frames that a mean is made of.
 const LEAST_WIDTH: f32 = 0.05;
-const WIDTH_PER_TURN: f32 = 2.5 * 32.0;
+const WIDTH_PER_TURN: f32 = 2.5 * f32(GLOSSY_FRAMES);
 // Largest difference between the widths of lobes.
 const SAME_WIDTH: f32 = 0.04;
 
@@ -47,6 +49,9 @@ fn recall_brought(@builtin(global_invocation_id) id: vec3u) {
 fn recall_light(pixels: Pixels, hits: Hits, pixel: vec2u, index: u32) -> bool {
     let rays = rays_of(pixels);
     let vertex = vertex_at(rays, hits);
+    let lobes = vertex.lobes;
+    // The light behind a veil is not the veil's.
+    if lobes.opacity < 1.0 { return false; }
     let component = surface_at(rays, hits, 0u).component;
     let eye = earlier_eye();
     let quad = quad_around(eye, vertex.point, vertex.geometric_normal, component);
@@ -63,27 +68,38 @@ fn recall_light(pixels: Pixels, hits: Hits, pixel: vec2u, index: u32) -> bool {
     let normal = vertex.normal;
     let cosines = vec4f(dot(a.normal, normal), dot(b.normal, normal), dot(c.normal, normal), dot(d.normal, normal));
     if any(cosines < vec4f(ALIKE)) { return false; }
-    let diffuse_variances = vec4f(a.variances.x, b.variances.x, c.variances.x, d.variances.x);
-    if !agree(brightness(a.diffuse, b.diffuse, c.diffuse, d.diffuse), diffuse_variances, counts[0]) { return false; }
+    let diffuse = brightness(a.diffuse, b.diffuse, c.diffuse, d.diffuse);
+    let diffuse_deviations = diffuse * vec4f(a.deviations.x, b.deviations.x, c.deviations.x, d.deviations.x);
+    let diffuse_variances = diffuse_deviations * diffuse_deviations;
+    if !agree(diffuse, diffuse_variances, counts[0]) { return false; }
     let way = quad.way;
-    let width = lobe_width(vertex.lobes);
+    let width = lobe_width(lobes);
+    // Counts are rounded up or down by chance, so that they do not shrink from frame to frame.
+    let place = vec2u(pixel.x, pixel.y + frame.band.first_row);
+    let chance = vec2f(scrambled(vec3u(place, earlier_frame())).xy >> vec2u(8u)) / 16777216.0;
     var sum: Brought;
     sum.marks = DIFFUSE_KNOWN | (u32(width * 65535.0) << 16u);
     sum.diffuse = light_between(a.diffuse, b.diffuse, c.diffuse, d.diffuse, way);
     sum.newest.x = between_four(diffuse_variances, way);
-    var earlier = vec2u(u32(between_four(vec4f(counts[0]), way)), 0u);
-    let glossy_variances = vec4f(a.variances.y, b.variances.y, c.variances.y, d.variances.y);
+    var earlier = vec2u(u32(between_four(vec4f(counts[0]), way) + chance.x), 0u);
+    let glossy = brightness(a.glossy, b.glossy, c.glossy, d.glossy);
+    let glossy_deviations = glossy * vec4f(a.deviations.y, b.deviations.y, c.deviations.y, d.deviations.y);
+    let glossy_variances = glossy_deviations * glossy_deviations;
     let least = max(LEAST_WIDTH, WIDTH_PER_TURN * distance(eye.place, frame.eyes.target_eye) / quad.depth);
     let same = abs(vec4f(a.width, b.width, c.width, d.width) - width) <= vec4f(SAME_WIDTH);
-    if width >= min(least, 1.0) && all(same) && all(counts[1] > vec4u(0u))
-        && agree(brightness(a.glossy, b.glossy, c.glossy, d.glossy), glossy_variances, counts[1]) {
-        let tint = tint_of(vertex.lobes);
+    if lobes.glossy == 0.0 {
+        sum.marks |= GLOSSY_KNOWN;
+        earlier.y = earlier.x;
+    } else if width >= least && all(same) && all(counts[1] > vec4u(0u))
+        && agree(glossy, glossy_variances, counts[1]) {
+        let tint = tint_of(lobes);
         sum.marks |= GLOSSY_KNOWN;
         sum.glossy = light_between(a.glossy, b.glossy, c.glossy, d.glossy, way) * tint;
         sum.newest.y = between_four(glossy_variances, way) * luminance(tint) * luminance(tint);
-        earlier.y = u32(between_four(vec4f(counts[1]), way));
+        let held = (GLOSSY_FRAMES / ASKED_AGAIN - 1u) * eye_tag(3u);
+        earlier.y = min(u32(between_four(vec4f(counts[1]), way) + chance.y), held);
     }
-    let is_turn = is_asked_again(pixel) || earlier.x < ENOUGH;
+    let is_turn = is_asked_again(place) || earlier.x < ENOUGH;
     brought[index] = with_earlier(sum, earlier, is_turn);
     return !is_turn && has_mark(sum, GLOSSY_KNOWN);
 }
@@ -103,7 +119,8 @@ fn light_between(a: vec3f, b: vec3f, c: vec3f, d: vec3f, way: vec3f) -> vec3f {
 fn agree(values: vec4f, variances: vec4f, counts: vec4u) -> bool {
     let fewest = min(min(counts.x, counts.y), min(counts.z, counts.w));
     let deviation = (0.5 + 1.0 / f32(fewest)) * sqrt(dot(variances, vec4f(1.0)));
-    let limit = max(frame.paths.tolerance * deviation, NEARLY_EQUAL * 0.25 * dot(values, vec4f(1.0)));
+    // A smaller tolerance would reject bright samples more often than dark ones.
+    let limit = max(max(frame.paths.tolerance, 1.0) * deviation, NEARLY_EQUAL * 0.25 * dot(values, vec4f(1.0)));
     let differences = 0.5 * vec3f(
         dot(values, vec4f(1.0, -1.0, 1.0, -1.0)),
         dot(values, vec4f(1.0, 1.0, -1.0, -1.0)),
@@ -112,6 +129,6 @@ fn agree(values: vec4f, variances: vec4f, counts: vec4u) -> bool {
     return all(abs(differences) <= vec3f(limit)) || fewest == 1u;
 }
 
-fn is_asked_again(pixel: vec2u) -> bool {
-    return (pixel.x + 3u * (pixel.y + frame.band.first_row) + 5u * earlier_frame()) % ASKED_AGAIN == 0u;
+fn is_asked_again(place: vec2u) -> bool {
+    return (place.x + 3u * place.y + 5u * earlier_frame()) % ASKED_AGAIN == 0u;
 }

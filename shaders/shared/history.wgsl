@@ -3,8 +3,8 @@
 //! use frame, pixels
 
 // Samples like those of source_samples.wgsl. The row after the last one begins with the eye of the earlier frame, one
-// vector a texel. Boxes around objects that have moved since follow, two texels each. w of the first three texels holds
-// the number of the frame, the lights whose bits hold, and the number of boxes.
+// vector a texel. Boxes around objects that have moved since follow, two texels each. w of the first four texels holds
+// the number of the frame, the lights whose bits hold, the number of boxes, and that of paths per sample.
 var history: texture_2d<u32>;
 
 // The eye of the earlier frame: its position, and directions to the picture's top left corner and from a pixel to its

@@ -144,14 +144,15 @@ impl History {
         kept.flatten().filter(|kept| kept.lights != 0)
     }
 
-    /// Tells a frame's kernels the eye of the earlier frame, and which of its visibility bits hold.
+    /// Tells a frame's kernels the eye of the earlier frame, which of its visibility bits hold, and the number of paths
+    /// that each sample followed.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
-    pub(crate) async fn tell(&self, gpu: &Gpu, kept: Option<&Kept>) -> Result<(), Error> {
+    pub(crate) async fn tell(&self, gpu: &Gpu, kept: Option<&Kept>, paths: u32) -> Result<(), Error> {
         let Some(earlier) = &self.earlier else { return Ok(()) };
         let (lights, moved) = kept.map_or((0, &[][..]), |kept| (kept.lights, &kept.moved));
-        let words = [self.frames, lights, moved.len() as u32, 0];
+        let words = [self.frames, lights, moved.len() as u32, paths];
         let eye = earlier.eye.into_iter().zip(words);
         let boxes = moved.as_flattened().iter().map(|corner| (*corner, 0));
         let texels = eye.chain(boxes).map(|(vector, word)| {

@@ -37,6 +37,8 @@ pub(crate) struct Views<'a> {
     pub(crate) drawn: Option<Drawn>,
     /// How samples of frames are used for later ones.
     pub(crate) recall: Recall,
+    /// Whether a history also keeps the light of paths.
+    pub(crate) keeps_light: bool,
 }
 
 /// A view that a method makes from another.
@@ -80,7 +82,9 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
     let recall = if samples && !reaches && drawn.is_none() { views.recall } else { Recall::Nothing };
     let shares = shares_light(method, paths);
     let (reads, recalls, recalls_light) = match recall {
-        Recall::Read { bits: same, light } => (true, same && bits == ShadowReuse::Two, light && shares),
+        Recall::Read { bits: same, light } => {
+            (true, same && bits == ShadowReuse::Two, light && shares && views.keeps_light)
+        }
         Recall::Nothing | Recall::Keep => (false, false, false),
     };
     let source = |view| match drawn {
@@ -89,7 +93,9 @@ pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
         None => trace::source(view, soft),
     };
     let before = traced.clone().filter(|_| reads).flat_map(|view| history::bound(view, recalls)).collect();
-    let keep = |view| [Some(Step::Remember(view)), shares.then(|| paths::kept(view))].into_iter().flatten();
+    let keep = |view| {
+        [Some(Step::Remember(view)), (shares && views.keeps_light).then(|| paths::kept(view))].into_iter().flatten()
+    };
     let kept = traced.clone().filter(|_| recall != Recall::Nothing).flat_map(keep).collect();
     let traced = traced.flat_map(|view| [source(view), behind(view)].concat()).collect();
     let mut stages = vec![Stage::Steps(traced)];

@@ -144,7 +144,7 @@ impl Renderer {
         let model = scene.cost_model(&self.gpu, options);
         let history = self.cache.history.as_ref().filter(|_| plan.remembers());
         // Paths of later frames differ, so that their means become better.
-        let later = Paths::of(options, 0).filter(|_| keeps_light(options)).zip(history);
+        let later = Paths::of(options, 0).filter(|_| self.keeps_light(options, eyes.pose.size)).zip(history);
         let earlier_paths = later.map_or(0, |(paths, history)| paths.each.wrapping_mul(history.frames()));
         let history = history.map(History::remembered);
         let uniforms = self.uniforms(scene, eyes, options, (&model, &targets.shape, earlier_paths));
@@ -248,14 +248,19 @@ impl Renderer {
         let size = eyes.pose.size;
         let is_whole = wanted.masks().is_none() && wanted.rows(size).len() as u32 == size[1];
         let traced = eyes.sources.iter().enumerate().filter(|(view, source)| view == *source).count();
-        let most = u64::from(options.history.unwrap_or(0)) << 20;
-        let light = keeps_light(options);
-        let fits = History::bytes(&self.gpu, size, light).is_some_and(|bytes| bytes <= most);
+        let light = self.keeps_light(options, size);
+        let fits = History::bytes(&self.gpu, size, light).is_some_and(|bytes| bytes <= history_bytes(options));
         match &self.cache.history {
             _ if !is_whole || traced > 1 || !fits => (Recall::Nothing, None),
             Some(history) if history.is_of(scene.id(), size, light) => history.recall(lit),
             _ => (Recall::Keep, None),
         }
+    }
+
+    /// Returns whether a history also keeps the light that paths brought. Without room for it, the light is not kept.
+    fn keeps_light(&self, options: &Options, size: [u32; 2]) -> bool {
+        let fits = History::bytes(&self.gpu, size, true).is_some_and(|bytes| bytes <= history_bytes(options));
+        fits && methods::shares_light(options.method, Paths::of(options, 0))
     }
 
     /// Makes room for a frame's samples, or tells its kernels what holds of the earlier frame's.
@@ -266,9 +271,10 @@ impl Renderer {
         options: &Options,
         kept: Option<&Kept>,
     ) -> Result<(), Error> {
-        let light = keeps_light(options);
+        let light = self.keeps_light(options, size);
         if let Some(history) = self.cache.history.as_ref().filter(|history| history.is_of(scene.id(), size, light)) {
-            return history.tell(&self.gpu, kept).await;
+            let paths = Paths::of(options, 0).map_or(0, |paths| paths.each);
+            return history.tell(&self.gpu, kept, paths).await;
         }
         self.cache.history = None; // its memory is freed first
         self.cache.history = Some(History::new(&self.gpu, scene.id(), size, light).await?);
@@ -298,6 +304,7 @@ impl Renderer {
             search: Search::of(self.searches_together, options.samples),
             drawn,
             recall,
+            keeps_light: self.keeps_light(options, eyes.pose.size),
         };
         let plan = methods::plan(chosen, &views);
         (method, early, plan)
@@ -400,9 +407,9 @@ impl Renderer {
     }
 }
 
-/// Returns whether a history also keeps the light that paths brought.
-fn keeps_light(options: &Options) -> bool {
-    methods::shares_light(options.method, Paths::of(options, 0))
+/// Returns the memory that a history may take.
+fn history_bytes(options: &Options) -> u64 {
+    u64::from(options.history.unwrap_or(0)) << 20
 }
 
 /// Returns the parts of soft light and of paths, whether or not a step uses them.

@@ -107,7 +107,8 @@ impl Passes {
         }
         let pass = Pass { number: self.count, first_path: self.paths };
         let g_buffer = if self.count == 0 { options.g_buffer } else { GBuffer::None };
-        Ok(Options { pass, g_buffer, linear: true, ..options.clone() })
+        // The sequences of pixels continue from pass to pass, not from frame to frame.
+        Ok(Options { pass, g_buffer, linear: true, history: None, ..options.clone() })
     }
 
     /// Adds a pass. Returns the cost and the mean of all passes.

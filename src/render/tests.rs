@@ -153,6 +153,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
             search: Search::Alone,
             drawn: None,
             recall: Recall::Nothing,
+            keeps_light: false,
         };
         let mut plan = methods::plan(method, &views);
         let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };

@@ -420,11 +420,14 @@ fn light_of_paths_becomes_quieter_and_is_not_biased() {
         ("still", 8, 0.0, [0.28, 0.74]),
         ("orbit", 8, 0.5, [0.31, 0.55]),
         ("orbit with one path", 1, 0.5, [0.47, 0.45]),
+        // Glossy light of the view before a cut would be wrong.
+        ("cut", 8, 0.0, [1.0, 1.05]),
     ] {
         let lighting = |samples| Lighting::Paths { bounces: 2, samples };
         let options = Options::new(Method::BRACKET).lighting(lighting(samples)).linear(true);
         let mut pair = |frame: u32, options: &Options| {
-            let camera = room_camera().orbited((degrees * frame as f32).to_radians());
+            let degrees = if what == "cut" && frame + 1 == frames { 40.0 } else { degrees * frame as f32 };
+            let camera = room_camera().orbited(degrees.to_radians());
             renderer.pair(&uploaded, &camera).options(options).read().wait().unwrap()
         };
         let found = (0..frames).map(|frame| pair(frame, &options.clone().history(ROOM))).last().unwrap();
@@ -441,6 +444,20 @@ fn light_of_paths_becomes_quieter_and_is_not_biased() {
         assert!(errors[0][0].abs() < 2e-3, "{what}: bias {}", errors[0][0]);
         renderer.forget();
     }
+}
+
+/// A history without room for the light of paths still finds first hits.
+#[test]
+fn light_without_room_is_followed_anew() {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&open_room()).wait().unwrap();
+    let options = Options::new(Method::BRACKET).lighting(Lighting::Paths { bounces: 1, samples: 1 }).history(1);
+    // Samples of 135x135 pixels take 0.6 MiB, and as much for light.
+    let camera = room_camera().size(135, 135);
+    let mut rays = || renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap().statistics.left.rays;
+    let [first, second] = [rays(), rays()];
+    assert!(second.primary < first.primary / 4, "{first:?}, {second:?}");
+    assert!(second.secondary as f64 > 0.99 * first.secondary as f64, "{first:?}, {second:?}");
 }
 
 /// A frame after a change shows what it shows without a history, but for other random numbers.

@@ -48,6 +48,23 @@ fn passes_together_follow_the_paths_of_a_whole_frame() {
     assert_eq!(pair.statistics.right.rays.primary, 4 * whole.statistics.right.rays.primary);
 }
 
+/// A pass continues the sequences of its pixels, whatever frames were rendered before.
+#[test]
+fn passes_recall_no_earlier_frames() {
+    let mut renderer = renderer();
+    let scene = renderer.upload(&room()).wait().unwrap();
+    let plain = by_paths(2).method(Method::BRACKET);
+    let recalling = plain.clone().history(64);
+    let mut pairs = [&plain, &recalling].map(|options| {
+        renderer.pair(&scene, &room_camera()).options(options).read().wait().unwrap();
+        let mut passes = Passes::new();
+        pass(&mut renderer, &scene, options, &mut passes);
+        pass(&mut renderer, &scene, options, &mut passes)
+    });
+    pairs.iter_mut().for_each(|pair| pair.statistics = Default::default());
+    assert_eq!(pairs[0], pairs[1]);
+}
+
 #[test]
 fn passes_approach_the_converged_picture_in_both_eyes() {
     let mut renderer = renderer();
