@@ -309,10 +309,14 @@ fn shadows_move_with_their_objects() {
     }
 }
 
+/// Returns the linear light of a pair's left view.
+fn left_light(pair: &StereoPair) -> impl Iterator<Item = f64> + '_ {
+    pair.left.linear.iter().flat_map(|[r, g, b, _]| [r, g, b]).map(|&light| f64::from(light))
+}
+
 /// Returns the mean difference of a left view's light from a converged one, and the root of the mean square.
 fn error(found: &StereoPair, converged: &[f64]) -> [f64; 2] {
-    let light = found.left.linear.iter().flat_map(|[r, g, b, _]| [r, g, b]);
-    let differences: Vec<f64> = light.zip(converged).map(|(&found, truth)| f64::from(found) - truth).collect();
+    let differences: Vec<f64> = left_light(found).zip(converged).map(|(found, truth)| found - truth).collect();
     let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / differences.len() as f64;
     [mean(&mut differences.iter().copied()), mean(&mut differences.iter().map(|d| d * d)).sqrt()]
 }
@@ -376,8 +380,7 @@ fn mean_light(pairs: impl ExactSizeIterator<Item = StereoPair>) -> Vec<f64> {
     let mut mean = Vec::new();
     for pair in pairs {
         mean.resize(3 * pair.left.linear.len(), 0.0);
-        let light = pair.left.linear.iter().flat_map(|[r, g, b, _]| [r, g, b]);
-        mean.iter_mut().zip(light).for_each(|(sum, light)| *sum += share * f64::from(*light));
+        mean.iter_mut().zip(left_light(&pair)).for_each(|(sum, light)| *sum += share * light);
     }
     mean
 }
@@ -415,13 +418,13 @@ fn light_of_paths_becomes_quieter_and_is_not_biased() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&open_room()).wait().unwrap();
     let frames = if is_long() { 70 } else { 16 };
-    // Measured shares of rays and of noise: 0.248 and 0.668, 0.273 and 0.497, 0.418 and 0.396.
+    // Measured shares of rays and of noise: 0.247 and 0.663, 0.272 and 0.493, 0.302 and 0.383, 0.446 and 0.670.
     for (what, samples, degrees, most) in [
         ("still", 8, 0.0, [0.28, 0.74]),
         ("orbit", 8, 0.5, [0.31, 0.55]),
-        ("orbit with one path", 1, 0.5, [0.47, 0.45]),
+        ("orbit with one path", 1, 0.5, [0.34, 0.43]),
         // Glossy light of the view before a cut would be wrong.
-        ("cut", 8, 0.0, [1.0, 1.05]),
+        ("cut", 8, 0.0, [0.5, 0.74]),
     ] {
         let lighting = |samples| Lighting::Paths { bounces: 2, samples };
         let options = Options::new(Method::BRACKET).lighting(lighting(samples)).linear(true);
