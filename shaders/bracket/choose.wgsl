@@ -37,7 +37,8 @@ fn choose(@builtin(local_invocation_index) thread: u32) {
     }
     let pixels = f32(frame.band.size.x) * f32(frame.band.row_end - frame.band.row_begin);
     let asked_anew = min(frame.costs.listed * gaps / pixels + frame.costs.disagreed, frame.costs.listed);
-    let bracket = shadow / pixels * (1.0 - asked_anew) > frame.costs.least_spared;
+    let asked = max(shadow / pixels, frame.costs.asked);
+    let bracket = asked * (1.0 - asked_anew) > frame.costs.least_spared;
     counters[frame.band.row_begin * COUNTERS + CHOSEN] = select(0u, BRACKET_CHOSEN, bracket);
     if bracket { lists.heads[ALL_TRACED].workgroups_y = 0u; } else { lists.heads[TO_SEARCH].workgroups_y = 0u; }
 }

@@ -64,7 +64,7 @@ struct Costs {
     least_spared: f32,   // minimum number of saved shadow rays per pixel
     listed: f32,         // L, cost of a shadow ray that is traced from a list
     disagreed: f32,      // D, cost where samples disagree, per shadow ray
-    _pad: u32,
+    asked: f32,          // minimum number of shadow rays per pixel of the source, traced or recalled
 }
 
 // Parameters of paths of light.

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::executor::{Held, Resources};
 use crate::{
-    Error, Options,
+    Error, Lighting, Options,
     gpu::{Gpu, Texel},
     kernel::{Resource, layout},
     scene::shadowing::{Kept, Shadowing},
@@ -34,8 +34,11 @@ pub(crate) struct History {
     bounds: wgpu::Buffer,
     /// The earlier frame; `None` before the first one.
     earlier: Option<Earlier>,
-    /// Number of frames so far.
+    /// Number of frames so far, and of paths that their samples followed each.
     frames: u32,
+    paths: u32,
+    /// Shadow rays per pixel that the traced views asked for, in the last frame that recalled none.
+    asked: f32,
 }
 
 /// The eye of an earlier frame's traced view, and what its visibility bits depend on.
@@ -45,7 +48,8 @@ struct Earlier {
     lit: Lit,
 }
 
-/// What visibility bits depend on: the scene, and all options but those of counting, display and memory.
+/// What visibility bits depend on: the scene, and all options but those of counting, display and memory, and the number
+/// of paths.
 #[derive(Clone, Debug)]
 pub(crate) struct Lit {
     scene: Arc<Shadowing>,
@@ -55,10 +59,12 @@ pub(crate) struct Lit {
 impl Lit {
     pub(crate) fn of(scene: &Arc<Shadowing>, options: &Options) -> Self {
         let Options { count, cost_map, g_buffer, linear, exposure, tone, history, .. } = Options::default();
-        Self {
-            scene: scene.clone(),
-            options: Options { count, cost_map, g_buffer, linear, exposure, tone, history, ..options.clone() },
-        }
+        let lighting = match options.lighting {
+            Lighting::Direct => Lighting::Direct,
+            Lighting::Paths { bounces, .. } => Lighting::Paths { bounces, samples: 1 },
+        };
+        let others = Options { count, cost_map, g_buffer, linear, exposure, tone, history, ..options.clone() };
+        Self { scene: scene.clone(), options: Options { lighting, ..others } }
     }
 }
 
@@ -106,7 +112,7 @@ impl History {
             Ok((two("history"), light, gpu.storage_buffer("history_bounds", bounds_bytes(size))))
         };
         let (samples, light, bounds) = gpu.checked(make).await?;
-        let new = Self { scene, size, samples, light, bounds, earlier: None, frames: 0 };
+        let new = Self { scene, size, samples, light, bounds, earlier: None, frames: 0, paths: 0, asked: 0.0 };
         // The textures are filled for the reason of `samples_texture`.
         for view in new.textures() {
             gpu.fill_rows(view.texture(), 0, std::iter::repeat_n([0; 4], texels)).await?;
@@ -119,9 +125,14 @@ impl History {
         (self.scene, self.size, self.light.is_some()) == (scene, size, light)
     }
 
-    /// Returns the number of frames so far.
-    pub(crate) fn frames(&self) -> u32 {
-        self.frames
+    /// Returns the number of paths that each sample followed so far.
+    pub(crate) fn paths(&self) -> u32 {
+        self.paths
+    }
+
+    /// Returns the number of shadow rays per pixel that the earlier frame's traced view asked for.
+    pub(crate) fn asked(&self) -> f32 {
+        self.asked
     }
 
     fn textures(&self) -> impl Iterator<Item = &wgpu::TextureView> {
@@ -145,7 +156,7 @@ impl History {
     }
 
     /// Tells a frame's kernels the eye of the earlier frame, which of its visibility bits hold, and the number of paths
-    /// that each sample followed.
+    /// that each sample follows in the frame.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
@@ -169,9 +180,12 @@ impl History {
         Remembered { earlier, current, light: self.light.clone(), bounds: self.bounds.clone() }
     }
 
-    /// Makes the current frame's samples those of the earlier frame. `eye` is the eye of the traced view.
-    pub(crate) fn turn(&mut self, eye: &layout::Eyes, lit: Lit) {
+    /// Makes the current frame's samples those of the earlier frame. `eye` is the eye of the traced view, which asked
+    /// for `asked` shadow rays per pixel, and followed this number of paths per sample.
+    pub(crate) fn turn(&mut self, eye: &layout::Eyes, lit: Lit, asked: f32, paths: u32) {
+        self.asked = asked;
         self.frames = self.frames.wrapping_add(1);
+        self.paths = self.paths.wrapping_add(paths);
         self.samples.swap(0, 1);
         self.light.iter_mut().for_each(|light| light.swap(0, 1));
         let eye = [eye.target_eye, eye.target_corner, eye.step_x, eye.step_y].map(Vec3::from);

@@ -73,7 +73,7 @@ pub(crate) struct Costs {
     pub(crate) least_spared: f32,
     pub(crate) listed: f32,
     pub(crate) disagreed: f32,
-    pub(crate) _pad: u32,
+    pub(crate) asked: f32,
 }
 
 /// `PathRay` of shaders/shared/frame.wgsl.

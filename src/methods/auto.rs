@@ -28,7 +28,8 @@ pub struct Choice {
     pub by_bracket: f32,
     /// Share of right pixels in gaps that no left sample saw, 0 to 1.
     pub gaps: f32,
-    /// Shadow rays per pixel of the left view.
+    /// Shadow rays per pixel of the left view. If it recalled results of such rays from an earlier frame, this is the
+    /// number in the last frame that recalled none.
     pub shadow_rays: f32,
     /// Secondary rays per pixel of the left view, by mirrors, glass and transparent surfaces. The right view traces as
     /// many with either method.
@@ -68,6 +69,9 @@ pub(crate) struct CostModel {
     /// Cost of the shadow rays that are traced outside gaps because left samples disagree, relative to all shadow rays.
     /// It is the mean of `listed` times the share of these rays.
     pub(crate) disagreed: f32,
+    /// Minimum number of shadow rays per pixel that the left view asks for. It recalls the results of some of them from
+    /// an earlier frame, and does not trace these.
+    pub(crate) asked: f32,
 }
 
 /// The light queries of a frame.
@@ -115,6 +119,7 @@ impl CostModel {
             shadow,
             listed: (points * listed + soft * listed_soft) / all,
             disagreed: (points * listed * Self::DISAGREED + soft * listed_soft * share) / all,
+            asked: 0.0,
         }
     }
 
@@ -137,6 +142,7 @@ impl CostModel {
         let gaps = gaps.min(1.0);
         // Each eye traces these rays itself, with either method.
         let sent = self.listed * (secondary_rays + self.shadow * own);
+        let shadow_rays = shadow_rays.max(self.asked + own);
         let shadows = self.shadow * (shadow_rays - own);
         let naive = 1.0 + shadows + sent;
         let bracket = self.search + self.asked_anew(gaps) * shadows + sent;
@@ -157,7 +163,7 @@ mod tests {
         StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(100, 100).pose().unwrap()
     }
 
-    const MODEL: CostModel = CostModel { search: 1.0, shadow: 0.9, listed: 3.0, disagreed: 0.15 };
+    const MODEL: CostModel = CostModel { search: 1.0, shadow: 0.9, listed: 3.0, disagreed: 0.15, asked: 0.0 };
 
     #[test]
     fn few_shadow_rays_or_wide_gaps_make_it_naive() {
@@ -166,6 +172,8 @@ mod tests {
         assert_eq!(chosen(30_000, 300), Method::BRACKET);
         assert_eq!(chosen(30_000, 5000), Method::Naive);
         assert_eq!(chosen(0, 0), Method::Naive);
+        let recalled = CostModel { asked: 3.0, ..MODEL }.choose(&pose(), seen(200, 300));
+        assert_eq!(recalled, MODEL.choose(&pose(), seen(30_000, 300)));
         let text = MODEL.choose(&pose(), seen(30_000, 300)).to_string();
         assert!(
             text.starts_with("bracket: ") && text.contains("3.0 shadow rays") && text.contains("3.0% of"),

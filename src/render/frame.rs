@@ -141,11 +141,13 @@ impl Renderer {
         stagings.extend(self.gpu.checked(make).await?);
         let (tables, shadow_buffer) = tables.unzip();
         let shared = scene.resources_for(&self.gpu, &used, tables.as_deref()).await?;
-        let model = scene.cost_model(&self.gpu, options);
         let history = self.cache.history.as_ref().filter(|_| plan.remembers());
         // Paths of later frames differ, so that their means become better.
-        let later = Paths::of(options, 0).filter(|_| self.keeps_light(options, eyes.pose.size)).zip(history);
-        let earlier_paths = later.map_or(0, |(paths, history)| paths.each.wrapping_mul(history.frames()));
+        let earlier = history.filter(|_| self.keeps_light(options, eyes.pose.size));
+        let earlier_paths = earlier.map_or(0, History::paths);
+        let recalls_bits = matches!(recall, Recall::Read { bits: true, .. });
+        let asked = history.filter(|_| recalls_bits).map_or(0.0, History::asked);
+        let model = CostModel { asked, ..scene.cost_model(&self.gpu, options) };
         let history = history.map(History::remembered);
         let uniforms = self.uniforms(scene, eyes, options, (&model, &targets.shape, earlier_paths));
         let setting = Setting { eyes, variant, targets: &targets, uniforms, shared, history };
@@ -171,7 +173,9 @@ impl Renderer {
         let (stagings, plan) = (frame.stagings, frame.plan);
         self.cache.staging.extend(stagings);
         if let Some(history) = self.cache.history.as_mut().filter(|_| plan.remembers() && !done.in_steps) {
-            history.turn(&eyes.uniform(eyes.sources[0]), lit);
+            let source = eyes.sources[0];
+            let paths = Paths::of(options, 0).map_or(0, |paths| paths.each);
+            history.turn(&eyes.uniform(source), lit, done.tallies[source].asked(model), paths);
         }
         Ok(done)
     }
@@ -223,7 +227,7 @@ impl Renderer {
                 least_spared: model.least_spared(),
                 listed: model.listed,
                 disagreed: model.disagreed,
-                _pad: 0,
+                asked: model.asked,
             },
             paths: layout::PathRay {
                 bounces: paths.map_or(0, |paths| paths.rays - 1),

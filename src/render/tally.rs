@@ -52,6 +52,12 @@ impl Tally {
         self.pixels += pixels;
     }
 
+    /// Returns the number of shadow rays per pixel that a traced view asked for, including recalled ones.
+    pub(crate) fn asked(&self, model: CostModel) -> f32 {
+        let own = self.own_shadow_rays.min(self.work.rays.shadow);
+        model.asked.max((self.work.rays.shadow - own) as f32 / self.pixels.max(1) as f32)
+    }
+
     /// Returns the choice of `Auto` that applied to most pixels of a view. The model's prediction in the result is for
     /// the whole view.
     pub(crate) fn choice(&self, source: &Self, model: CostModel, pose: &Pose) -> Choice {

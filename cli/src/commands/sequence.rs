@@ -12,7 +12,7 @@ use std::{
 
 use clap::Args;
 use serde_json::{Value, json};
-use stereotrace::{Options, StereoPair, message::counted, output::Batch, output::write_whole};
+use stereotrace::{Lighting, MAX_PATHS, Options, StereoPair, message::counted, output::Batch, output::write_whole};
 
 use super::motion::{Motion, MotionArguments};
 use crate::{
@@ -31,6 +31,9 @@ const ORBIT: u32 = 72;
 /// Number of consecutive pictures that a history spans. Then it begins anew. A run that goes on in the middle of a film
 /// renders few pictures again, and several machines can share a film by blocks.
 const BLOCK: u32 = 16;
+/// The first picture of a block follows so many times the paths of the others. It recalls no light, and would have more
+/// noise than they have.
+const FIRST_PATHS: u32 = 2;
 /// Memory for samples of earlier pictures in MiB, unless `--history` is given.
 const HISTORY: u32 = 1024;
 
@@ -139,10 +142,17 @@ fn picture(
     frame: u32,
     progress: &mut Progress,
 ) -> Result<StereoPair, stereotrace::Error> {
+    let mut options = stage.options.clone();
     if frame.is_multiple_of(BLOCK) {
         stage.renderer.forget();
+        if let Lighting::Paths { bounces, samples } = options.lighting
+            && options.has_history()
+        {
+            let samples = samples.saturating_mul(FIRST_PATHS).min(MAX_PATHS);
+            options = options.lighting(Lighting::Paths { bounces, samples });
+        }
     }
-    stage.render(motion.at(frame), stage.options.clone(), progress)
+    stage.render(motion.at(frame), options, progress)
 }
 
 /// Returns the pictures before `frame` in its block that the renderer needs for its history, after picture `last`.

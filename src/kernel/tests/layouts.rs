@@ -63,7 +63,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
         Lighting { light, slot, first_ray, sources, seed, occlusion_radius, share_tolerance, bounces }
     );
     assert_layout!(module, Display { exposure, filmic, words_read, _pad });
-    assert_layout!(module, Costs { least_spared, listed, disagreed, _pad });
+    assert_layout!(module, Costs { least_spared, listed, disagreed, asked });
     assert_layout!(module, PathRay { ray, bounces, first, tolerance });
     assert_layout!(module, Frame { eyes, band, lighting, display, costs, paths });
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
