@@ -23,14 +23,9 @@ const ASKED_AGAIN: u32 = 8u;
 const ENOUGH: u32 = 4u;
 // Minimum cosine between the shading normals of a point and of the samples around it.
 const ALIKE: f32 = 0.98;
-// Share of their mean by which samples may always differ.
-const NEARLY_EQUAL: f32 = 0.02;
-// Glossy light is the mean of that of about so many frames. A pixel follows new paths in one of ASKED_AGAIN frames.
+// Glossy light is the mean of that of about so many frames. A pixel follows new paths in one of ASKED_AGAIN frames. The
+// least alpha of highlights grows by the turn between all these frames.
 const GLOSSY_FRAMES: u32 = 32u;
-// Least alpha of highlights that are recalled: in any case, and per radian between the two views of a point. The latter
-// is that of `share_brought` times the frames that a mean is made of.
-const LEAST_WIDTH: f32 = 0.05;
-const WIDTH_PER_TURN: f32 = 2.5 * f32(GLOSSY_FRAMES);
 // Largest difference between the widths of lobes.
 const SAME_WIDTH: f32 = 0.04;
 
@@ -85,7 +80,8 @@ fn recall_light(pixels: Pixels, hits: Hits, pixel: vec2u, index: u32) -> bool {
     let glossy = brightness(a.glossy, b.glossy, c.glossy, d.glossy);
     let glossy_deviations = glossy * vec4f(a.deviations.y, b.deviations.y, c.deviations.y, d.deviations.y);
     let glossy_variances = glossy_deviations * glossy_deviations;
-    let least = max(LEAST_WIDTH, WIDTH_PER_TURN * distance(eye.place, frame.eyes.target_eye) / quad.depth);
+    let turn = distance(eye.place, frame.eyes.target_eye) / quad.depth;
+    let least = max(LEAST_WIDTH, WIDTH_PER_TURN * f32(GLOSSY_FRAMES) * turn);
     let same = abs(vec4f(a.width, b.width, c.width, d.width) - width) <= vec4f(SAME_WIDTH);
     if lobes.glossy == 0.0 {
         sum.marks |= GLOSSY_KNOWN;

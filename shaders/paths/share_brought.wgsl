@@ -18,11 +18,6 @@ var<storage, read_write> lists: Lists;
 
 // Minimum cosine between the normals of primitives whose samples share light.
 const LIKE_NORMAL: f32 = 0.95;
-// Share of their mean by which two samples may always differ.
-const NEARLY_EQUAL: f32 = 0.02;
-// Least alpha of highlights that are reused: in any case, and per radian between the two views of a point.
-const LEAST_WIDTH: f32 = 0.05;
-const WIDTH_PER_TURN: f32 = 2.5;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn share_brought(@builtin(global_invocation_id) id: vec3u) {

@@ -37,6 +37,11 @@ struct Brought {
 // Marks of means that are reused from another view or frame.
 const DIFFUSE_KNOWN: u32 = 1u;
 const GLOSSY_KNOWN: u32 = 2u;
+// Share of their mean by which samples of the same light may always differ.
+const NEARLY_EQUAL: f32 = 0.02;
+// Least alpha of highlights that are reused: in any case, and per radian between the two views of a point.
+const LEAST_WIDTH: f32 = 0.05;
+const WIDTH_PER_TURN: f32 = 2.5;
 // Maximum number of paths of earlier frames.
 const MOST_EARLIER: u32 = 127u;
 

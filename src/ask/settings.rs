@@ -196,8 +196,8 @@ impl Setting {
         Self {
             name: "history",
             form: "MIB|off",
-            about: "Memory for samples of earlier frames in MiB, at least 1. The next frame finds the same first hits \
-                    by them, and visible lights, with fewer rays. `sequence` has 1024 by default",
+            about: "Memory for samples of earlier frames in MiB, at least 1, or off. The next frame finds the same \
+                    first hits by them, and visible lights, with fewer rays. `sequence` has 1024 by default",
             set: |options, text| put(&mut options.history, off(text, count)),
             get: |options| optional(options.history, |mebibytes| mebibytes.to_string()),
         },

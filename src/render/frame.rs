@@ -57,6 +57,17 @@ impl Done {
     }
 }
 
+/// What a frame needs before its commands are recorded.
+struct Prepared {
+    method: Method,
+    /// The choice of `Auto`, if it can be made before the first step.
+    early: Option<Choice>,
+    plan: Plan,
+    variant: Variant,
+    used: Used,
+    targets: Arc<Targets>,
+}
+
 /// A frame in progress.
 struct Frame<'a> {
     driver: Driver<'a>,
@@ -112,24 +123,18 @@ impl Renderer {
             scene.weigh_sky().await?;
         }
         let tables = scene.shadow_tables(&self.kernels, options).await?;
-        let masked = wanted.masks().is_some();
-        let drawn = if masked { None } else { self.drawn(scene, options) };
+        let drawn = if wanted.masks().is_some() { None } else { self.drawn(scene, options) };
         let lit = Lit::of(&scene.shadowing, options);
         let (recall, kept) = self.recall(scene, eyes, options, &wanted, &lit);
-        let mut planned = self.planned(scene, eyes, options, drawn, recall);
-        if planned.2.remembers() {
-            match self.ready_history(scene, eyes.pose.size, options, kept.as_ref()).await {
-                // A history only saves time, so the frame does without it.
-                Err(Error::OutOfMemory(_)) => planned = self.planned(scene, eyes, options, drawn, Recall::Nothing),
-                other => other?,
+        let prepared = match self.prepared(scene, eyes, options, &wanted, drawn, (recall, kept.as_ref())).await {
+            // A history only saves time, so the frame does without it.
+            Err(Error::OutOfMemory(_)) if recall != Recall::Nothing => {
+                self.forget();
+                self.prepared(scene, eyes, options, &wanted, drawn, (Recall::Nothing, None)).await?
             }
-        }
-        let (method, early, plan) = planned;
-        let variant = Variant { masked, ..self.variant(scene, eyes, options, &plan) };
-        let mut used = plan.uses(&self.kernels, &variant);
-        used.places.extend(wanted.pictures.then_some((Resource::Packed, 0)));
-        let rows = wanted.rows(eyes.pose.size).len() as u32;
-        let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn, &used)), &used).await?;
+            other => other?,
+        };
+        let Prepared { method, early, plan, variant, used, targets } = prepared;
         let parts = used.places.iter().any(|(resource, _)| *resource == Resource::LightParts);
         let read_back = ReadBack::new(targets.shape, [options.linear, parts], wanted.pictures);
         let bytes = read_back.times_offset() + Timestamps::BYTES;
@@ -178,6 +183,29 @@ impl Renderer {
             history.turn(&eyes.uniform(source), lit, done.tallies[source].asked(model), paths);
         }
         Ok(done)
+    }
+
+    /// Plans a frame and makes room for it.
+    async fn prepared(
+        &mut self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        wanted: &Wanted<'_>,
+        drawn: Option<Drawn>,
+        (recall, kept): (Recall, Option<&Kept>),
+    ) -> Result<Prepared, Error> {
+        let size = eyes.pose.size;
+        let (method, early, plan) = self.planned(scene, eyes, options, drawn, recall);
+        if plan.remembers() {
+            self.ready_history(scene, size, options, kept).await?;
+        }
+        let variant = Variant { masked: wanted.masks().is_some(), ..self.variant(scene, eyes, options, &plan) };
+        let mut used = plan.uses(&self.kernels, &variant);
+        used.places.extend(wanted.pictures.then_some((Resource::Packed, 0)));
+        let rows = wanted.rows(size).len() as u32;
+        let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn, &used)), &used).await?;
+        Ok(Prepared { method, early, plan, variant, used, targets })
     }
 
     /// Returns the renderer's parts that a driver uses.
