@@ -5,7 +5,7 @@
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 cd "$root"
-groups='obj,png,sky,exr gltf,jpeg,json,serde ply,more-textures dataset'
+groups='obj,ply,png,sky,exr gltf,jpeg,json,serde,more-textures dataset'
 [ "${1-}" = alone ] && groups='obj gltf ply png jpeg exr json textures more-textures sky serde dataset'
 # The tests block, on an adapter of this machine.
 cargo clippy --package stereotrace --all-targets --no-default-features --features native,blocking -- -D warnings

@@ -80,7 +80,7 @@ fn recall_light(pixels: Pixels, hits: Hits, pixel: vec2u, index: u32) -> bool {
     let glossy = brightness(a.glossy, b.glossy, c.glossy, d.glossy);
     let glossy_deviations = glossy * vec4f(a.deviations.y, b.deviations.y, c.deviations.y, d.deviations.y);
     let glossy_variances = glossy_deviations * glossy_deviations;
-    let turn = distance(eye.place, frame.eyes.target_eye) / quad.depth;
+    let turn = distance(eye.place, eye_point()) / quad.depth;
     let least = max(LEAST_WIDTH, WIDTH_PER_TURN * f32(GLOSSY_FRAMES) * turn);
     let same = abs(vec4f(a.width, b.width, c.width, d.width) - width) <= vec4f(SAME_WIDTH);
     if lobes.glossy == 0.0 {
