@@ -37,7 +37,7 @@ pub(crate) struct History {
     /// Number of frames so far, and of paths that their samples followed each.
     frames: u32,
     paths: u32,
-    /// Shadow rays per pixel that the traced views asked for, in the last frame that recalled none.
+    /// Shadow rays per pixel that the traced view asked for: at least those of the last frame that recalled none.
     asked: f32,
 }
 

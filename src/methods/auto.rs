@@ -28,8 +28,8 @@ pub struct Choice {
     pub by_bracket: f32,
     /// Share of right pixels in gaps that no left sample saw, 0 to 1.
     pub gaps: f32,
-    /// Shadow rays per pixel of the left view. If it recalled results of such rays from an earlier frame, this is the
-    /// number in the last frame that recalled none.
+    /// Shadow rays per pixel of the left view. If it recalled results of such rays from an earlier frame, this is at
+    /// least the number in the last frame that recalled none.
     pub shadow_rays: f32,
     /// Secondary rays per pixel of the left view, by mirrors, glass and transparent surfaces. The right view traces as
     /// many with either method.

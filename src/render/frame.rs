@@ -57,7 +57,7 @@ impl Done {
     }
 }
 
-/// What a frame needs before its commands are recorded.
+/// The plan of a frame, and the buffers and textures that its kernels write.
 struct Prepared {
     method: Method,
     /// The choice of `Auto`, if it can be made before the first step.
@@ -179,8 +179,8 @@ impl Renderer {
         self.cache.staging.extend(stagings);
         if let Some(history) = self.cache.history.as_mut().filter(|_| plan.remembers() && !done.in_steps) {
             let source = eyes.sources[0];
-            let paths = Paths::of(options, 0).map_or(0, |paths| paths.each);
-            history.turn(&eyes.uniform(source), lit, done.tallies[source].asked(model), paths);
+            let asked = done.tallies[source].asked(model);
+            history.turn(&eyes.uniform(source), lit, asked, paths_per_sample(options));
         }
         Ok(done)
     }
@@ -305,8 +305,7 @@ impl Renderer {
     ) -> Result<(), Error> {
         let light = self.keeps_light(options, size);
         if let Some(history) = self.cache.history.as_ref().filter(|history| history.is_of(scene.id(), size, light)) {
-            let paths = Paths::of(options, 0).map_or(0, |paths| paths.each);
-            return history.tell(&self.gpu, kept, paths).await;
+            return history.tell(&self.gpu, kept, paths_per_sample(options)).await;
         }
         self.cache.history = None; // its memory is freed first
         self.cache.history = Some(History::new(&self.gpu, scene.id(), size, light).await?);
@@ -437,6 +436,11 @@ impl Renderer {
         self.cache.targets.push(targets.clone());
         Ok(targets)
     }
+}
+
+/// Returns the number of paths that each sample of a pixel follows, 0 for direct light.
+fn paths_per_sample(options: &Options) -> u32 {
+    Paths::of(options, 0).map_or(0, |paths| paths.each)
 }
 
 /// Returns the memory that a history may take.

@@ -31,8 +31,8 @@ const ORBIT: u32 = 72;
 /// Number of consecutive pictures that a history spans. Then it begins anew. A run that goes on in the middle of a film
 /// renders few pictures again, and several machines can share a film by blocks.
 const BLOCK: u32 = 16;
-/// The first picture of a block follows so many times the paths of the others. It recalls no light, and would have more
-/// noise than they have.
+/// The first picture of a block follows this many times as many paths as the others. It recalls no light, and would
+/// have more noise than they have.
 const FIRST_PATHS: u32 = 2;
 /// Memory for samples of earlier pictures in MiB, unless `--history` is given.
 const HISTORY: u32 = 1024;
