@@ -580,7 +580,8 @@ fn trials_show_what_naive_shows() {
         let film = film(camera);
         let film = if is_long() { &film } else { &film[..4] };
         let rays = compare((&mut renderer, &uploaded), trial.name(), film, &options);
-        assert!(rays[1][0] < rays[0][0] / 10, "{trial}: {rays:?}");
+        // Where nearly every pixel is an edge, the left view may trace as many rays as the right one, and a tenth more.
+        assert!(rays[1][0] < rays[0][0] / 10 + rays[0][1], "{trial}: {rays:?}");
     }
 }
 
