@@ -180,5 +180,5 @@ pub use truth::disparity::Occlusion;
 pub use truth::ground_truth::{EyeTruth, GroundTruth};
 pub use truth::occlusion::Occlusions;
 pub use truth::surface::Surface;
-pub use view::camera::{CameraPath, Comfort, Convergence, FAR, Pose, StereoCamera};
+pub use view::camera::{CameraPath, Comfort, Equirectangular, FAR, PoleMerge, Pose, Projection, Span, StereoCamera};
 pub use view::rig::{MAX_VIEWS, Rig};

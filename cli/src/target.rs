@@ -8,7 +8,7 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    GroundTruth, StereoPair, View,
+    Equirectangular, GroundTruth, Pose, Projection, Span, StereoPair, View,
     output::{Anaglyph, Batch, ExrColor, Packing, Picture, anaglyph, packed},
 };
 
@@ -29,7 +29,8 @@ pub(crate) struct EyesArguments {
     #[arg(long, value_name = "KIND", default_value_t)]
     pub(crate) anaglyph: Anaglyph,
     /// Place the eyes side by side, or by another packing, instead of an anaglyph: side-by-side, half-side-by-side,
-    /// cross-eyed, top-bottom, half-top-bottom, row-interlaced, column-interlaced or checkerboard
+    /// cross-eyed, top-bottom, half-top-bottom, row-interlaced, column-interlaced or checkerboard [default: top-bottom
+    /// for --projection 360, side-by-side for 180]
     #[arg(long, value_name = "KIND", conflicts_with = "anaglyph")]
     pub(crate) packing: Option<Packing>,
     /// Exchange the eyes in all output except the re-trace and shadow maps
@@ -44,6 +45,34 @@ impl EyesArguments {
     /// Returns the views in the order of output: left, right; exchanged by --swap.
     pub(crate) fn ordered<'a>(&self, left: &'a View, right: &'a View) -> (&'a View, &'a View) {
         if self.swap { (right, left) } else { (left, right) }
+    }
+
+    /// Returns these options with the packing that players of equirectangular pictures expect, unless one is given.
+    pub(crate) fn suiting(&self, pose: &Pose) -> Self {
+        let usual = match pose.projection {
+            Projection::OffAxis | Projection::ToeIn => None,
+            Projection::Equirectangular(Equirectangular { span: Span::Full, .. }) => Some(Packing::TopBottom),
+            Projection::Equirectangular(Equirectangular { span: Span::Half, .. }) => Some(Packing::SideBySide),
+        };
+        Self { packing: self.packing.or(usual), ..self.clone() }
+    }
+
+    /// Returns the name of the file with the packing of a scene's views, without its extension. Players of
+    /// equirectangular pictures read the projection and the packing from the name.
+    pub(crate) fn packed_name(packing: Packing, pose: &Pose, scene: &str) -> String {
+        let span = match pose.projection {
+            Projection::OffAxis | Projection::ToeIn => return packing.to_string(),
+            Projection::Equirectangular(Equirectangular { span, .. }) => span,
+        };
+        let tag = match (span, packing) {
+            (Span::Full, Packing::TopBottom) => "360_TB".into(),
+            (Span::Full, Packing::SideBySide) => "360_LR".into(),
+            (Span::Half, Packing::TopBottom) => "180x180_3dv".into(),
+            (Span::Half, Packing::SideBySide) => "180x180_3dh".into(),
+            (Span::Full, other) => format!("360_{other}"),
+            (Span::Half, other) => format!("180x180_{other}"),
+        };
+        format!("{scene}_{tag}")
     }
 
     /// Returns one picture of both views: the packing if one is given, else the anaglyph.
@@ -116,6 +145,19 @@ pub(crate) fn is_open_exr(path: &Path) -> bool {
     ending(path) == "exr"
 }
 
+/// Returns whether the file name ends in .vr.jpg, as the names of VR photos do.
+fn is_vr_photo(path: &Path) -> bool {
+    ending(path) == "jpg" && ending(Path::new(path.file_stem().unwrap_or_default())) == "vr"
+}
+
+/// Adds a view as a PNG file, which names the projection of equirectangular pictures.
+pub(crate) fn add_view(batch: &mut Batch, path: &Path, view: &View, pose: &Pose) -> Result<(), stereotrace::Error> {
+    match pose.projection {
+        Projection::OffAxis | Projection::ToeIn => batch.add_png(path, &view.picture()),
+        Projection::Equirectangular(_) => batch.add_panorama_png(path, view, pose),
+    }
+}
+
 /// Adds a picture to the batch as a PNG or JPEG file, by the extension of its name.
 pub(crate) fn add_picture(
     batch: &mut Batch,
@@ -147,6 +189,10 @@ pub(crate) fn add_pair(
         std::mem::swap(&mut swapped.left, &mut swapped.right);
         swapped
     };
+    if is_vr_photo(path) {
+        let pair = if eyes.swap { &swapped() } else { pair };
+        return Ok(batch.add_vr_jpeg(path, pair, eyes.quality)?);
+    }
     match &*kind {
         "exr" => batch.add_exr(path, pair, truth, ExrColor::Half)?,
         "jps" if eyes.swap => batch.add_jps(path, &swapped(), eyes.quality)?,

@@ -56,6 +56,37 @@ fn out_is_a_picture_or_a_folder() {
 }
 
 #[test]
+fn pictures_all_around_have_the_names_that_players_read() {
+    let folder = Folder::new("around");
+    let out = folder.file("all").to_str().unwrap().to_owned();
+    let around = |degrees: &'static str, more: &[&'static str]| {
+        let fixed = ["render", "builtin:hall", "--projection", degrees, "--size", "32x16", "--out", &out];
+        printed(&[&fixed[..], more].concat())
+    };
+    let text = around("360", &["--ground-truth"]);
+    assert!(text.contains("32x16, e = 0.0650, equirectangular"), "{text}");
+    around("180", &["--unit", "100", "--pole-merge", "off"]);
+    around("360", &["--packing", "side-by-side", "--pole-merge", "50:80"]);
+    let size = |name: &str| image::image_dimensions(folder.file("all").join(name)).unwrap();
+    assert_eq!((size("hall_360_TB.png"), size("hall_360_LR.png")), ((32, 32), (64, 16)));
+    assert_eq!(size("hall_180x180_3dh.png"), (64, 16));
+    assert!(folder.file("all/disp1.pfm").is_file() && !folder.file("all/calib.txt").exists());
+    let camera: Value = serde_json::from_slice(&fs::read(folder.file("all/camera.json")).unwrap()).unwrap();
+    assert_eq!(camera["pose"]["projection"]["span_deg"], 360.0);
+    for (options, expected) in [
+        (["--fov", "40"], "--fov is for planar pictures"),
+        (["--interaxial-px", "4"], "--interaxial-px is for planar pictures"),
+        (["--pole-merge", "80:70"], "pole merge is 80 to 70 degrees"),
+        (["--pole-merge", "high"], "it must be off, or two elevations"),
+        (["--method", "adelson-hodges"], "adelson-hodges makes planar pictures only"),
+    ] {
+        let message = error_of(&[&["render", "builtin:hall", "--projection", "360"][..], &options].concat());
+        assert!(message.contains(expected), "{message}");
+    }
+    assert!(error_of(&["render", "--projection", "270"]).contains("it must be planar, 360 or 180"));
+}
+
+#[test]
 fn files_of_physically_based_materials_are_shown_by_paths() {
     let folder = Folder::new("physical");
     folder.write("gold.mtl", "newmtl gold\nKd 0.9 0.7 0.3\nPr 0.3\nPm 1\n");

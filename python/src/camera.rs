@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use pyo3::{prelude::*, types::PyDict};
-use stereotrace::{Convergence, Pose, StereoCamera, camera::Intrinsics};
+use stereotrace::{Equirectangular, PoleMerge, Pose, Projection, Span, StereoCamera, camera::Intrinsics};
 
 use crate::{
     errors::{raised, refused},
@@ -13,8 +13,8 @@ use crate::{
 };
 
 /// Fields that the constructor and `replace` take.
-const FIELDS: &str =
-    "eye, target, up, size, fov, screen_width, intrinsics, screen_distance, interaxial, interaxial_px and toe_in";
+const FIELDS: &str = "eye, target, up, size, fov, screen_width, intrinsics, screen_distance, interaxial, \
+                      interaxial_px, toe_in, projection and pole_merge";
 
 /// A stereo camera: two eyes that look through one screen rectangle (off-axis projection), or two parallel cameras.
 ///
@@ -37,6 +37,12 @@ const FIELDS: &str =
 ///   cameras.
 /// - ``toe_in``: whether the eyes turn towards each other, so that their axes meet at the screen distance. Points then
 ///   leave their rows, and both views are traced by every method. Default ``False``.
+/// - ``projection``: ``"planar"``, or 360 or 180 for equirectangular pictures of so many degrees. Their eyes turn with
+///   the direction of view (omnidirectional stereo). ``up`` is their vertical axis, and the picture's middle shows the
+///   target's azimuth. They have no field of view and no screen, and a depth is a horizontal distance along a ray.
+///   Default ``"planar"``.
+/// - ``pole_merge``: tuple of two elevations in degrees between which the eyes of an equirectangular pair approach each
+///   other, or ``None``. Default ``(60, 75)``.
 ///
 /// Cameras are immutable: ``replace`` makes changed copies. They compare by value and can be pickled. Raises
 /// ``ValueError``, which names the field, for values out of range, unknown fields and contradictions. Examples of
@@ -215,7 +221,8 @@ impl Camera {
     /// and ``cy``.
     #[getter]
     fn intrinsics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let Intrinsics { fx, fy, cx0, cx1, cy, .. } = self.pose()?.intrinsics();
+        let Intrinsics { fx, fy, cx0, cx1, cy, .. } =
+            self.pose()?.intrinsics().ok_or_else(|| refused("equirectangular pictures have no intrinsics"))?;
         let dict = PyDict::new(py);
         for (name, value) in [("fx", fx), ("fy", fy), ("cx0", cx0), ("cx1", cx1), ("cy", cy)] {
             dict.set_item(name, value)?;
@@ -316,11 +323,13 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
             "screen_distance" => camera.screen_distance(number()?),
             "interaxial" => camera.interaxial(number()?),
             "interaxial_px" => camera.interaxial_pixels(number()?),
-            "toe_in" if value.extract().map_err(of)? => camera.convergence(Convergence::ToeIn),
-            "toe_in" => camera.convergence(Convergence::OffAxis),
+            "toe_in" if value.extract().map_err(of)? => camera.projection(Projection::ToeIn),
+            "toe_in" => camera.projection(Projection::OffAxis),
+            "projection" | "pole_merge" => camera, // read together below
             _ => return Err(refused(format!("camera: unknown field '{name}'; the fields are {FIELDS}"))),
         };
     }
+    camera = projected(camera, fields)?;
     // Intrinsics set the screen distance, and a given distance replaces it, independent of their order.
     if has("intrinsics")?
         && let Some(distance) = fields.get_item("screen_distance")?
@@ -328,6 +337,42 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
         camera = camera.screen_distance(distance.extract()?);
     }
     Camera::checked(camera)
+}
+
+/// Sets the fields `projection` and `pole_merge`.
+fn projected(camera: StereoCamera, fields: &Bound<'_, PyDict>) -> PyResult<StereoCamera> {
+    let fault = |name: &str, value: &Bound<'_, PyAny>, rule: &str| {
+        Err(refused(format!("camera: {name}: {} must be {rule}", shown(value))))
+    };
+    let before = match camera.projection_kind() {
+        Projection::Equirectangular(projection) => Some(projection),
+        _ => None,
+    };
+    let span = match fields.get_item("projection")? {
+        None => before.map(|projection| projection.span),
+        Some(value) => match (value.extract::<u32>(), value.extract::<String>()) {
+            (Ok(360), _) => Some(Span::Full),
+            (Ok(180), _) => Some(Span::Half),
+            (_, Ok(name)) if name == "planar" => None,
+            _ => return fault("projection", &value, "'planar', 360 or 180"),
+        },
+    };
+    let merge = match fields.get_item("pole_merge")? {
+        None => before.map_or_else(|| Some(PoleMerge::default()), |projection| projection.merge),
+        Some(value) if value.is_none() => None,
+        Some(value) => match value.extract::<(f32, f32)>() {
+            Ok((from, to)) => Some(PoleMerge { from, to }),
+            Err(_) => return fault("pole_merge", &value, "None or two elevations in degrees"),
+        },
+    };
+    if let (None, Some(value)) = (span, fields.get_item("pole_merge")?) {
+        return fault("pole_merge", &value, "left out: only equirectangular pictures have poles");
+    }
+    Ok(match (span, before) {
+        (Some(span), _) => camera.projection(Projection::Equirectangular(Equirectangular { span, merge })),
+        (None, Some(_)) => camera.projection(Projection::OffAxis),
+        (None, None) => camera,
+    })
 }
 
 /// Reads intrinsics from a dict of `fx`, `fy` (default `fx`), `cx0`, `cx1` (default `cx0`) and `cy`, with pixel centres

@@ -160,6 +160,10 @@ class CameraFields(TypedDict, total=False):
     interaxial_px: float
     # Whether the eyes turn towards each other. Default False.
     toe_in: bool
+    # "planar", or 360 or 180 for equirectangular pictures of so many degrees. Default "planar".
+    projection: Literal["planar", 180, 360]
+    # Elevations in degrees between which the eyes of an equirectangular pair approach each other. Default (60, 75).
+    pole_merge: tuple[float, float] | None
 
 @type_check_only
 class CameraReplaceFields(CameraFields, total=False):

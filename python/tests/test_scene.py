@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import multiprocessing
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -262,6 +263,8 @@ def test_all_that_says_what_is_rendered_pickles_and_copies():
         CAMERA.replace(interaxial_px=3.3, screen_width=1.7),
         CAMERA.replace(intrinsics={"fx": 100.1, "fy": 99.7, "cx0": 47.3, "cx1": 48.9, "cy": 36.1}, up=(0.1, 1, 0)),
         CAMERA.replace(toe_in=True),
+        CAMERA.replace(projection=360),
+        CAMERA.replace(projection=180, pole_merge=None, interaxial=0.065),
         scene.camera(size=(7, 5)),
         Scene.builtin("hall").camera(),
     ]
@@ -282,6 +285,30 @@ def test_all_that_says_what_is_rendered_pickles_and_copies():
     assert pickle.loads(pickle.dumps(Scene.builtin("hall"))).camera() == Scene.builtin("hall").camera()
     with pytest.raises(TypeError, match="cannot pickle"):
         pickle.dumps(stereotrace.Renderer())
+
+
+def test_cameras_that_look_all_around(renderer):
+    around = Camera((0, 1, 0), (0, 1, -1), size=(64, 32), interaxial=0.2, projection=360)
+    # Straight ahead, the right eye sees a point on its left: 2 atan(0.1 / s) of 64 columns a turn.
+    (left, row, depth), (right, same_row, _) = (around.project((0, 1, -2), eye) for eye in ("left", "right"))
+    assert row == same_row == 16 and depth == pytest.approx(np.sqrt(4 - 0.01))
+    assert left - right == pytest.approx(2 * np.arctan(0.1 / depth) * 64 / (2 * np.pi))
+    assert around.disparity(depth) == pytest.approx(left - right)
+    hall = Scene.builtin("hall")
+    found, expected = (renderer.render(hall, around, method=method) for method in ("bracket-rays", "naive"))
+    assert np.array_equal(found.right.color, expected.right.color) and found.right.depth.max() < np.inf
+    assert around.replace(projection="planar") == Camera((0, 1, 0), (0, 1, -1), size=(64, 32), interaxial=0.2)
+    with pytest.raises(ValueError, match="no intrinsics"):
+        around.intrinsics
+    for fields, message in (
+        ({"projection": 270}, "projection: 270 must be 'planar', 360 or 180"),
+        ({"pole_merge": (70, 60)}, "pole merge is 70 to 60 degrees"),
+        ({"pole_merge": 3}, "pole_merge: 3 must be None or two elevations"),
+        ({"interaxial_px": 3.0}, "give it in world units"),
+        ({"projection": "planar", "pole_merge": (60, 75)}, "only equirectangular pictures have poles"),
+    ):
+        with pytest.raises(ValueError, match=re.escape(message)):
+            around.replace(**fields)
 
 
 def test_pickles_that_are_none_are_refused():

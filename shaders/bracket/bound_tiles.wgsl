@@ -27,10 +27,13 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
     let end = min(begin + TILE, width);
     let first_tile = row / TILE * tiles_across();
     let first_pixel = row * width;
-    // There are gaps before the first sample and after the last one too.
-    let before = in_sweep(max(begin, 1u) - 1u);
+    // There are gaps before the first sample and after the last one too. Where the picture shows a full turn, the first
+    // sample follows the last one.
+    let round = columns_before();
+    let before = in_sweep(select(max(begin, 1u), width, begin == 0u && round > 0u) - 1u);
     var depth_before = source[first_pixel + before].depth;
-    var x_before = select(landed_at(before, depth_before), 0.0, begin == 0u);
+    var x_before = landed_at(vec2u(before, row), depth_before);
+    if begin == 0u { x_before = select(0.0, x_before - f32(round), round > 0u); }
     if is_left_out(depth_before) { x_before = NOWHERE; }
     // Neighbours usually land in one tile. One atomic operation per sample would be eight times as many.
     var tile = NO_TILE;
@@ -40,28 +43,36 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
     loop {
         let column = in_sweep(place);
         let depth = source[first_pixel + column].depth;
-        let x = landed_at(column, depth);
+        let x = landed_at(vec2u(column, row), depth);
         let left_out = is_left_out(depth);
         let opens = x >= x_before && !left_out;
-        // A sample that was left out lands nowhere: beyond the last tile.
-        let low = select(max(select(x - 1.0, x_before - 1.0, opens), 0.0), f32(width), left_out);
-        let high = min(select(x + 1.0, f32(width), place + 1u == width), f32(width) - 0.5);
         let depth_between = select(depth, max(depth, depth_before), opens);
-        unseen += select(0u, u32(max(high - low - 3.0, 0.0)), opens);
-        // If columns count from the right, `low` lies on the right.
-        let first = select(low, max(f32(width) - high, 0.0), is_mirrored());
-        let last = select(high, min(f32(width) - low, f32(width) - 0.5), is_mirrored());
-        var landed = u32(first) / TILE;
+        let begins = select(x - 1.0, x_before - 1.0, opens);
+        let ends = select(x + 1.0, f32(width), round == 0u && place + 1u == width);
+        // In a full turn, columns before the first one are the last ones.
+        var turned = round;
         loop {
-            if low > high { break; }
-            if landed != tile {
-                if tile != NO_TILE { atomicMax(&bounds[BOUND_WORDS * (first_tile + tile)], bitcast<u32>(deepest)); }
-                tile = landed;
-                deepest = 0.0;
+            // A sample that was left out lands nowhere: beyond the last tile.
+            let low = select(max(begins + f32(turned), 0.0), f32(width), left_out);
+            let high = min(ends + f32(turned), f32(width) - 0.5);
+            unseen += select(0u, u32(max(high - low - 3.0, 0.0)), opens);
+            // If columns count from the right, `low` lies on the right.
+            let first = select(low, max(f32(width) - high, 0.0), is_mirrored());
+            let last = select(high, min(f32(width) - low, f32(width) - 0.5), is_mirrored());
+            var landed = u32(first) / TILE;
+            loop {
+                if low > high { break; }
+                if landed != tile {
+                    if tile != NO_TILE { atomicMax(&bounds[BOUND_WORDS * (first_tile + tile)], bitcast<u32>(deepest)); }
+                    tile = landed;
+                    deepest = 0.0;
+                }
+                deepest = max(deepest, depth_between);
+                landed += 1u;
+                if landed > u32(last) / TILE { break; }
             }
-            deepest = max(deepest, depth_between);
-            landed += 1u;
-            if landed > u32(last) / TILE { break; }
+            if turned == 0u { break; }
+            turned = 0u;
         }
         x_before = select(x, NOWHERE, left_out);
         depth_before = depth;
@@ -74,8 +85,8 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
 
 // Returns the landing position of a sample, measured from the begin of the sweep. The position is clamped, since near z
 // = 0 it does not fit an integer.
-fn landed_at(column: u32, depth: f32) -> f32 {
+fn landed_at(pixel: vec2u, depth: f32) -> f32 {
     let width = f32(frame.band.size.x);
-    let x = clamp(landing_x(column, depth), -2.0, width + 2.0);
+    let x = clamp(landing_x(pixel, depth), -2.0 - f32(columns_before()), width + 2.0);
     return select(x, width - x, is_mirrored());
 }

@@ -50,11 +50,11 @@ fn samples_around(row: u32, column: u32) -> Neighbourhood {
 // Marks the tiles around the landing position of a sample.
 fn mark(row: u32, column: u32) {
     let samples = samples_around(row, column);
-    if !is_flat(samples.before, samples.here, samples.after, column_step()) { return; }
+    if !is_flat(samples.before, samples.here, samples.after, width_of(1.0)) { return; }
     let busy = busy_lights(samples);
-    let x = landing_x(column, samples.here.depth);
+    let x = landing_x(vec2u(column, row), samples.here.depth);
     mark_tiles(row, x, REACH_OF_LIGHT, busy.all);
-    if is_flat(samples.far_before, samples.here, samples.far_after, 2.0 * column_step()) {
+    if is_flat(samples.far_before, samples.here, samples.far_after, width_of(2.0)) {
         mark_tiles(row, x, REACH_OF_SHADOW, busy.dark);
     }
 }
@@ -69,6 +69,11 @@ fn sample_in_row(row: u32, column: u32, offset: i32) -> SourceSample {
 }
 
 fn mark_tiles(row: u32, x: f32, reach: f32, busy: u32) {
+    mark_within(row, x, reach, busy);
+    if columns_before() > 0u { mark_within(row, x + f32(columns_before()), reach, busy); }
+}
+
+fn mark_within(row: u32, x: f32, reach: f32, busy: u32) {
     let low = max(x - reach, 0.0);
     let high = min(x + reach, f32(frame.band.size.x) - 0.5);
     if busy == 0u || !(low <= high) { return; }

@@ -20,7 +20,7 @@ fn mark_edges(@builtin(global_invocation_id) id: vec3u) {
     if outside(pixel) { return; }
     let key = view[pixel_index(pixel)].marks;
     if key == EMPTY { return; }
-    let at = vec2i(i32(column_of(key)), i32(pixel.y));
+    let at = vec2i(i32(column_of(key, pixel.x)), i32(pixel.y));
     let hit = source[pixel_index(vec2u(at))];
     if differs(hit, at + vec2i(1, 0)) || differs(hit, at - vec2i(1, 0)) || differs(hit, at + vec2i(0, 1))
         || differs(hit, at - vec2i(0, 1)) {
@@ -32,8 +32,9 @@ fn mark_edges(@builtin(global_invocation_id) id: vec3u) {
 fn differs(hit: Pixel, at: vec2i) -> bool {
     if any(at < vec2i(0)) || any(at >= vec2i(frame.band.size)) { return false; }
     let other = source[pixel_index(vec2u(at))];
+    let row = u32(at.y);
     return object_of(hit.slot) != object_of(other.slot)
-        || abs(parallax(hit.depth) - parallax(other.depth)) > EDGE_PX;
+        || abs(parallax(row, hit.depth) - parallax(row, other.depth)) > EDGE_PX;
 }
 
 fn object_of(slot: u32) -> u32 {

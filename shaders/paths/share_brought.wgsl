@@ -37,12 +37,13 @@ fn take_light(pixel: vec2u, index: u32, seen: Pixel) -> bool {
     let component = primitive_texel(seen.slot, 1u).w;
     let material = primitive_texel(seen.slot, 2u).w & MATERIAL;
     let first = pixel_index(at.first);
+    let next = pixel_index(vec2u(at.next, at.first.y));
     if !vouches(at, source_sample(at.first), component) { return false; }
-    if !vouches(at, source_sample(at.first + vec2u(1u, 0u)), component) { return false; }
+    if !vouches(at, source_sample(vec2u(at.next, at.first.y)), component) { return false; }
     if !is_alike(seen.slot, material, source[first].slot) { return false; }
-    if !is_alike(seen.slot, material, source[first + 1u].slot) { return false; }
+    if !is_alike(seen.slot, material, source[next].slot) { return false; }
     let before = source_brought[first];
-    let after = source_brought[first + 1u];
+    let after = source_brought[next];
     let counts = array(path_counts(before), path_counts(after));
     if counts[0].x == 0u || counts[1].x == 0u { return false; }
     let variances = array(mean_variances(before), mean_variances(after));

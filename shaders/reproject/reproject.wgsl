@@ -21,9 +21,9 @@ var<storage, read_write> view: array<ContestedPixel>;
 fn reproject(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }
-    let column = target_column(pixel.x, source[pixel_index(pixel)].depth);
+    let column = target_column(pixel, source[pixel_index(pixel)].depth);
     if column < 0 { return; }
     // Among the samples that land in one column, the last one in the sweep is the nearest (DESIGN, section 2; thesis,
     // 3.1.2.2). So its key serves as a depth key. The maximum is commutative, so the order of threads does not matter.
-    atomicMax(&view[pixel_index(vec2u(u32(column), pixel.y))].marks, key_of(pixel.x));
+    atomicMax(&view[pixel_index(vec2u(u32(column), pixel.y))].marks, key_of(pixel.x, u32(column)));
 }

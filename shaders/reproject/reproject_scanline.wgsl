@@ -21,20 +21,26 @@ fn reproject_scanline(@builtin(global_invocation_id) id: vec3u) {
     var before = landed_on(0u, first);
     // The loop runs over pixel indices, not columns: Mesa's software driver recompiles a loop whose end is a uniform
     // for each width.
-    for (var at = first; at < end; at += 1) {
-        let column = in_sweep(u32(at - first));
-        let here = landed_on(column, first);
+    // Where the picture shows a full turn, its first half follows the last column. Those samples land there if they are
+    // near.
+    let round = i32(columns_before());
+    let last = end + round / 2;
+    for (var at = first; at < last; at += 1) {
+        let turned = select(0, round, at >= end);
+        let column = in_sweep(u32(at - turned - first));
+        let here = landed_on(column, first) + turned;
         clear_between(before, here, first, end);
         if here >= first && here < end {
-            view[here].marks = key_of(column);
+            view[here].marks = key_of(column, u32(here - first));
         }
         before = here;
     }
-    clear_between(before, select(end, first - 1, is_mirrored()), first, end);
+    if round == 0 { clear_between(before, select(end, first - 1, is_mirrored()), first, end); }
 }
 
 fn landed_on(column: u32, first: i32) -> i32 {
-    return first + landing(column, source[first + i32(column)].depth);
+    let pixel = vec2u(column, u32(first) / frame.band.size.x);
+    return first + landing(pixel, source[first + i32(column)].depth);
 }
 
 // Clears the pixels of [first, end) that lie between two others, in the order of the sweep.

@@ -17,10 +17,11 @@ var<storage, read_write> counters: array<atomic<u32>>;
 fn reproject_slots(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }
-    let column = target_column(pixel.x, source[pixel_index(pixel)].depth);
+    let column = target_column(pixel, source[pixel_index(pixel)].depth);
     if column < 0 { return; }
     let cell = (pixel.y - frame.band.row_begin) * frame.band.size.x + u32(column);
-    let before = atomicMax(&slots[cell * frame.band.buffer_depth + pixel.x % frame.band.buffer_depth], key_of(pixel.x));
+    let place = cell * frame.band.buffer_depth + pixel.x % frame.band.buffer_depth;
+    let before = atomicMax(&slots[place], key_of(pixel.x, u32(column)));
     if before != 0u {
         atomicAdd(&counters[pixel.y * COUNTERS + LOST_CANDIDATES], 1u);
     }

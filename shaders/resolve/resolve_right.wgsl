@@ -34,7 +34,7 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
             keys = with_ray_u(keys, ray, key);
             marked = with_ray_u(marked, ray, marks & BAD);
             if key != EMPTY {
-                let column = column_of(key);
+                let column = column_of(key, pixel.x);
                 columns = with_ray_u(columns, ray, column);
                 depth = with_ray(depth, ray, source[pixel_index(vec2u(column, pixel.y))].depth);
             }

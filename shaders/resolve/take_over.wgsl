@@ -17,7 +17,7 @@ fn take_over(@builtin(global_invocation_id) id: vec3u) {
     let index = pixel_index(pixel);
     let marks = view[index].marks;
     if (marks & (BAD | MISSED)) != 0u { return; }
-    let place = pixel_index(vec2u(column_of(marks & KEY), pixel.y));
+    let place = pixel_index(vec2u(column_of(marks & KEY, pixel.x), pixel.y));
     let taken = source[place];
     view[index] = Pixel(taken.depth, taken.slot, marks, taken.color);
     take_linear(index, place);

@@ -49,7 +49,7 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces, busy: U) -> 
                 result.occluders_b = with_ray_u(
                     result.occluders_b,
                     ray,
-                    source_sample(near.first + vec2u(1u, 0u)).other,
+                    source_sample(vec2u(near.next, near.first.y)).other,
                 );
             }
             if KEEP_SHARES && near.usable {
@@ -70,17 +70,23 @@ struct Between {
     source: Asked,
     usable: bool,         // whether both samples are in the picture
     first: vec2u,
+    next: u32,            // column of the second sample
     way: f32,             // position of the point from the first sample to the next, 0 to 1
     point_parallax: f32,
+    same_parallax: f32,   // largest difference from the parallax of a sample of the point's surface, pixels
 }
 
 fn place_between(source: Asked, pixel: vec2u, z: f32) -> Between {
-    let point_parallax = parallax_from(source, z);
+    let point_parallax = parallax_from(source, pixel.y, z);
     let position = f32(pixel.x) + 0.5 - point_parallax;
-    let column = floor(position - 0.5);
-    let usable = (column >= 0.0) & (column + 1.0 < f32(frame.band.size.x));
+    let before = floor(position - 0.5);
+    let column = in_turn(before);
+    let inside = (column >= 0.0) & (column < f32(frame.band.size.x));
+    let next = next_column(u32(select(0.0, column, inside)));
+    let usable = inside & (next < frame.band.size.x);
     let first = vec2u(u32(select(0.0, column, usable)), pixel.y);
-    return Between(source, usable, first, position - 0.5 - column, point_parallax);
+    let same_parallax = same_parallax_at(source, pixel.y, z);
+    return Between(source, usable, first, next, position - 0.5 - before, point_parallax, same_parallax);
 }
 
 fn bits_of_ray(at: Between, hits_there: Hits, surfaces: Surfaces, ray: u32) -> u32 {
@@ -117,8 +123,8 @@ fn sample_of(source: Asked, pixel: vec2u) -> SourceSample {
 //! end
 // Returns whether a source sample shows the point's surface: it has the same component and a similar parallax.
 fn vouches(at: Between, sample: SourceSample, component: u32) -> bool {
-    let apart = abs(parallax_from(at.source, sample.depth) - at.point_parallax);
-    return sample.component == component && apart <= at.source.same_parallax;
+    let apart = abs(parallax_from(at.source, at.first.y, sample.depth) - at.point_parallax);
+    return sample.component == component && apart <= at.same_parallax;
 }
 
 // Returns the sample's bits, or 0 if the sample shows another surface than the point's.
@@ -129,7 +135,7 @@ fn vouched_bits(at: Between, sample: SourceSample, component: u32) -> u32 {
 // Returns the shares of the sample before a point (next = 0) or after it (next = 1). If the sample shows another
 // surface, the result is MISS, which has UNASKED in every share.
 fn vouched_shares(at: Between, next: u32, component: u32) -> u32 {
-    let sample = source_sample(at.first + vec2u(next, 0u));
+    let sample = source_sample(vec2u(select(at.first.x, at.next, next == 1u), at.first.y));
     return select(MISS, sample.other, vouches(at, sample, component));
 }
 
@@ -184,11 +190,12 @@ fn busy_near(pixel: vec2u) -> u32 {
 
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
     let before = sample_of(at.source, at.first);
-    let after = sample_of(at.source, at.first + vec2u(1u, 0u));
+    let after = sample_of(at.source, vec2u(at.next, at.first.y));
     let bits = agreeing(vouched_bits(at, before, component), vouched_bits(at, after, component));
-    let line = mix(parallax_from(at.source, before.depth), parallax_from(at.source, after.depth), at.way);
+    let row = at.first.y;
+    let line = mix(parallax_from(at.source, row, before.depth), parallax_from(at.source, row, after.depth), at.way);
     let deeper = at.point_parallax - line;
-    let in_groove = select(deeper, -deeper, at.source.parallax_px < 0.0) > GROOVE * at.source.same_parallax;
+    let in_groove = select(deeper, -deeper, is_left_of_source(at.source)) > GROOVE * at.same_parallax;
     return select(bits, bits & ~(bits << 16u), in_groove);
 }
 
@@ -205,7 +212,7 @@ fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
     var bits: u32;
     loop {
         let before = smooth_bits(at, sample_of(at.source, vec2u(at.first.x, row)), component, normal, slot);
-        let after = smooth_bits(at, sample_of(at.source, vec2u(at.first.x + 1u, row)), component, normal, slot);
+        let after = smooth_bits(at, sample_of(at.source, vec2u(at.next, row)), component, normal, slot);
         let pair = agreeing(before, after);
         bits = select(agreeing(bits, pair), pair, row + 1u == at.first.y);
         row += 1u;

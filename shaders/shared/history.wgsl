@@ -35,6 +35,11 @@ struct Landed {
     depth: f32,
 }
 
+//! if camera is around
+// Equirectangular views have no history.
+fn landed_of(eye: EarlierEye, pixel: vec2u) -> Landed { return Landed(vec2f(0.0), 0.0); }
+
+//! if camera is planar
 fn landed_of(eye: EarlierEye, pixel: vec2u) -> Landed {
     let depth = bitcast<f32>(textureLoad(history, pixel, 0).x);
     let at = vec2f(pixel) + 0.5;
@@ -48,6 +53,7 @@ fn landed_of(eye: EarlierEye, pixel: vec2u) -> Landed {
     return Landed(in_steps_of(aside, frame.eyes.step_x, frame.eyes.step_y), select(ahead, FAR, is_sky));
 }
 
+//! end
 // Returns the column and row of a place on an eye's screen, given from the picture's corner, in pixels.
 fn in_steps_of(aside: vec3f, step_x: vec3f, step_y: vec3f) -> vec2f {
     return vec2f(dot(aside, step_x) / dot(step_x, step_x), dot(aside, step_y) / dot(step_y, step_y));

@@ -94,7 +94,7 @@ fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec4f {
     let direction = of_ray3(rays.direction, ray);
     let from_point = direction * of_ray(hits.t, ray) - (point - rays.origin);
     let uv = vec2f(dot(from_point, u), dot(from_point, v));
-    let width = footprint(of_ray(hits.t, ray) + of_ray(travelled_before, ray));
+    let width = footprint(of_ray(hits.t, ray) + of_ray(travelled_before, ray), direction);
     let slope = max(abs(dot(normal, direction)), 1e-9);
     let head = table_texel(head_at);
     if (head.x & 15u) != CHECKERBOARD {

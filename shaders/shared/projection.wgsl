@@ -1,7 +1,8 @@
-// Frusta of tiles, bounded by planes through the eye, and projections of boxes and primitives onto tiles.
+// Frusta of tiles, bounded by planes, and projections of boxes and primitives onto tiles.
 
 //! use boxes, counters, ellipsoid, fetch, frame, jitter, planes, primitive, primitives, tiles, triangle
 
+//! if camera is planar
 // A point p relative to the target's eye has the depth z = dot(p, forward). Its column is dot(p, column) / z, and its
 // row is dot(p, row) / z. The planes face inwards through the outermost pixel centres, moved out by the guard band.
 struct Projection {
@@ -33,6 +34,16 @@ fn projection_of(tile: Tile) -> Projection {
     );
 }
 
+// Returns whether a box may meet a tile's frustum up to a depth limit. The function uses no short-circuit operators,
+// which would be branches.
+fn meets_frustum(child: Child, projection: Projection, limit: f32) -> bool {
+    let across = min(most(child, projection.left_plane), most(child, projection.right_plane));
+    let down = min(most(child, projection.top_plane), most(child, projection.bottom_plane));
+    let ahead = most(child, projection.forward);
+    return (min(min(across, down), ahead) >= 0.0) & (-most(child, -projection.forward) <= limit);
+}
+
+//! end
 // Returns the guard band around the projections of primitives, in pixels across and down. Samples are jittered along
 // their rows only.
 fn guard_band() -> vec2f { return vec2f(frame.eyes.wider, frame.eyes.wider - jitter_reach()); }
@@ -43,15 +54,6 @@ fn most(child: Child, v: vec3f) -> f32 {
     let b = child.high * v;
     let m = select(a, b, a < b);
     return m.x + m.y + m.z;
-}
-
-// Returns whether a box may meet a tile's frustum up to a depth limit. The function uses no short-circuit operators,
-// which would be branches.
-fn meets_frustum(child: Child, projection: Projection, limit: f32) -> bool {
-    let across = min(most(child, projection.left_plane), most(child, projection.right_plane));
-    let down = min(most(child, projection.top_plane), most(child, projection.bottom_plane));
-    let ahead = most(child, projection.forward);
-    return (min(min(across, down), ahead) >= 0.0) & (-most(child, -projection.forward) <= limit);
 }
 
 // Returns the range of a tile's pixels whose centres a primitive may cover: first column, first row, last column, last
@@ -98,7 +100,7 @@ fn blocks_within_edges(primitive: Primitive, tile: Tile) -> u32 {
     return select(triangle_blocks(primitive, tile), ALL_BLOCKS, is_sphere(primitive));
 }
 
-//! end
+//! if camera is planar
 // Returns the smallest and largest column and row of a triangle's projection. The result is EVERYWHERE if the triangle
 // reaches the plane through the eye and perpendicular to the view axis.
 fn triangle_bounds(primitive: Primitive, projection: Projection) -> vec4f {
@@ -122,7 +124,7 @@ fn components(v: vec3f) -> f32 {
     return abs(v.x) + abs(v.y) + abs(v.z);
 }
 
-//! if canvas is picture
+//! if canvas is picture and camera is planar
 // Returns the blocks of a tile, one bit each, in which some ray may lie inside all planes through the eye and a
 // triangle's edges. The planes are the same as in intersect_triangle. The inner side depends on the winding, so both
 // sides are tested.
@@ -179,7 +181,7 @@ fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
 // planes have small divisors at smaller depths, so their rounding error is too large.
 const NEAR_PLANE: f32 = 1.0 / 8.0;
 
-//! if texels is corners or spheres
+//! if texels is corners or spheres and camera is planar
 // Returns the smallest and largest column and row of a sphere's projection. The result is EVERYWHERE if the sphere
 // comes close to the plane of the eye. The bounds are tangents in the planes of columns and of rows.
 fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
@@ -197,6 +199,7 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return select(EVERYWHERE, bounds, z - radius > (length(center) + radius) * NEAR_PLANE);
 }
 
+//! if texels is corners or spheres or ellipsoids
 // Returns the least and largest slope of the lines through the eye that touch a circle around (across, z).
 fn tangents(across: f32, z: f32, radius: f32) -> vec2f {
     let rest = (z - radius) * (z + radius);
@@ -204,7 +207,7 @@ fn tangents(across: f32, z: f32, radius: f32) -> vec2f {
     return vec2f(across * z - root, across * z + root) / rest;
 }
 
-//! if texels is ellipsoids
+//! if texels is ellipsoids and camera is planar
 // Returns the smallest and largest column and row of an ellipsoid's projection. The result is EVERYWHERE if the
 // ellipsoid comes close to the plane of the eye. The bounds are tangent planes through the eye, along the picture's
 // columns and rows.
@@ -231,7 +234,7 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return select(EVERYWHERE, bounds, z - depth > (length(center) + primitive.reach) * NEAR_PLANE);
 }
 
-//! if planes is some
+//! if planes is some and camera is planar
 // Tolerance of a ray's speed of approach to a plane, as a fraction of the longest direction. It exceeds the rounding
 // error.
 const PLANE_SLACK: f32 = 1.0 / 524288.0;

@@ -1,7 +1,7 @@
 // The search of a tile's frustum for primitives, for tiles of any size. It gathers leaves of the BVH, which the
 // kernel's keep_primitive and list_kept process. The kernel's `steps` and MOST_STEPS limit the search.
 
-//! use boxes, camera, counters, fetch, frame, in_steps, lane, lists, pixels, projection, tiles
+//! use around, boxes, camera, counters, fetch, frame, in_steps, lane, lists, pixels, projection, tiles
 
 // Factor on the depth bound. Between two samples, a surface may lie slightly deeper than both.
 const BETWEEN: f32 = 1.001;

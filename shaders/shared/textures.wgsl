@@ -135,7 +135,7 @@ fn wrapped(at: i32, size: i32, wrap: u32) -> i32 {
 fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     let direction = of_ray3(rays.direction, ray);
     let slot = of_ray_u(hits.slot, ray);
-    let across = footprint(of_ray(hits.t, ray) + of_ray(travelled_before, ray));
+    let across = footprint(of_ray(hits.t, ray) + of_ray(travelled_before, ray), direction);
     // Directions have length 1 along the view axis. The directions of oblique pixels are longer, so they are not
     // normalised here.
     let side = across * inverseSqrt(max(abs(dot(surface.geometric_normal, direction)), 0.01));

@@ -12,9 +12,9 @@ const VERIFY_FRACTION: f32 = 0.999;
 // slanted surface raises no false alarm. A sky pixel's ray has the source ray's direction and no limit.
 fn are_bad(source_pixels: Pixels, source_depth: F, wanted: B) -> B {
     let sky = source_depth >= F(FAR);
-    let to_point = to_source_points(source_pixels, source_depth, sky);
+    let to_point = rays_to_source_points(source_pixels, source_depth, sky);
     let t_max = select(F(VERIFY_FRACTION), F(FAR), sky);
-    return any_hit(Rays(eye_point(), to_point), F(0.0), select(F(NEVER), t_max, wanted));
+    return any_hit(to_point, F(0.0), select(F(NEVER), t_max, wanted));
 }
 
 //! if checks is none

@@ -8,7 +8,7 @@ use std::{
 use glam::DVec3;
 
 use crate::{
-    Convergence, Error, EyeTruth, GroundTruth, StereoPair, error::by_name, output::Batch, view::camera::Intrinsics,
+    Error, EyeTruth, GroundTruth, Projection, StereoPair, error::by_name, output::Batch, view::camera::Intrinsics,
 };
 
 /// Folder layout of the data set of the same name. Pairs are numbered from 0.
@@ -72,8 +72,14 @@ impl Layout {
         truth: &GroundTruth,
     ) -> Result<(), Error> {
         let fault = |reason: String| Err(Error::Options { option: "layout", reason: format!("{self}: {reason}") });
-        if pair.pose.convergence == Convergence::ToeIn {
-            return fault("its pairs must be rectified, but the eyes of this pair are toed in".into());
+        match pair.pose.projection {
+            Projection::OffAxis => {}
+            Projection::ToeIn => {
+                return fault("its pairs must be rectified, but the eyes of this pair are toed in".into());
+            }
+            Projection::Equirectangular(_) => {
+                return fault("its pictures must be planar, but these are equirectangular".into());
+            }
         }
         if self.is_parallel() && pair.pose.screen_distance.is_finite() {
             return fault(format!(
@@ -152,16 +158,16 @@ fn kitti(batch: &mut Batch, root: &Root<'_>, index: u32, pair: &StereoPair, trut
     let EyeTruth { width, height, disparity, .. } = &truth.left;
     batch.add_kitti_disparity(file("disp_occ_0")?, *width, *height, disparity, &truth.left.surfaces())?;
     batch.add_kitti_disparity(file("disp_noc_0")?, *width, *height, disparity, &truth.left.surfaces_of_both())?;
-    let calibration = kitti_calibration(truth);
+    let calibration = kitti_calibration(truth)?;
     batch.add(root.file(&format!("training/calib_cam_to_cam/{index:06}.txt"))?, calibration.as_bytes())
 }
 
 /// Returns KITTI's calibration text. Camera 2 is the left one, at the origin of the rectified frame, and camera 3 is
 /// the right one. Principal points are relative to the centre of the top left pixel.
-fn kitti_calibration(truth: &GroundTruth) -> String {
+fn kitti_calibration(truth: &GroundTruth) -> Result<String, Error> {
     let pose = &truth.pose;
     let [width, height] = pose.size;
-    let Intrinsics { fx, fy, cx0, cx1, cy } = pose.intrinsics();
+    let Intrinsics { fx, fy, cx0, cx1, cy } = pose.planar_intrinsics()?;
     let cy = cy - 0.5;
     let mut text = String::new();
     let rounding = pose.baseline_rounding();
@@ -177,7 +183,7 @@ fn kitti_calibration(truth: &GroundTruth) -> String {
              R_rect_{name}: 1 0 0 0 1 0 0 0 1\nP_rect_{name}: {fx} 0 {cx} {right} 0 {fy} {cy} {down} 0 0 1 {z}\n"
         );
     }
-    text
+    Ok(text)
 }
 
 fn scene_flow(

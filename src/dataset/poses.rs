@@ -210,13 +210,14 @@ impl<'a> FreePoses<'a> {
                 (0..across * down).map(|cell| {
                     let (column, row) = (cell % across, cell / across);
                     let pixel = [(2 * column + 1) * width / (2 * across), (2 * row + 1) * height / (2 * down)];
-                    Ray::new(eye.eye(), eye.direction(pixel[0], pixel[1]).as_vec3())
+                    let (origin, direction) = eye.ray(pixel[0], pixel[1]);
+                    Ray::new(origin, direction.as_vec3())
                 })
             })
             .collect();
-        let between = eyes[1].eye() - eyes[0].eye();
-        if between != DVec3::ZERO {
-            rays.push(Ray::new(eyes[0].eye(), between.as_vec3()).t_max(1.0));
+        let [left, right] = [-1.0, 1.0].map(|side| pose.eye_position(side));
+        if left != right {
+            rays.push(Ray::new(left, (right - left).as_vec3()).t_max(1.0));
         }
         let hits = renderer.closest_hits(uploaded, &rays).await?.hits;
         let (seen, between) = hits.split_at(2 * across * down);

@@ -8,7 +8,7 @@ use glam::{DMat4, DVec3, Vec3};
 use serde_json::{Map, Value};
 
 use crate::{
-    CameraPath, Convergence, Error, Light, Limits, Scene, StereoCamera, import::input, view::camera::Intrinsics,
+    CameraPath, Error, Light, Limits, Projection, Scene, StereoCamera, import::input, view::camera::Intrinsics,
 };
 
 impl StereoCamera {
@@ -30,7 +30,9 @@ impl StereoCamera {
     ///   eye, with x to the right, y down and z ahead.
     /// - `baseline` replaces `eye_separation`, with the same meaning.
     ///
-    /// `convergence` may be `"off-axis"` or `"toe-in"`. Skew and lens distortion (`skew`, `k1`, `p1` and so on) other
+    /// `projection` may be `"off-axis"`, `"toe-in"`, or an object for an [`Equirectangular`](crate::Equirectangular)
+    /// pair, which has no field of view and no screen: `span_deg` is 360 or 180, and `pole_merge_deg` is a list of two
+    /// elevations or null. Skew and lens distortion (`skew`, `k1`, `p1` and so on) other
     /// than 0 are refused. So are values of the right eye that differ from the left eye's (`fx1`, `fy1`, `cy1`). Other
     /// fields are ignored.
     ///
@@ -210,13 +212,16 @@ fn camera_of(entry: &Map<String, Value>, [width, height]: [u32; 2]) -> Result<St
         StereoCamera::look_at(vector(entry, "eye")?, vector(entry, "target")?).up(vector(entry, "up")?.as_vec3())
     };
     let camera = camera.size(width, height).interaxial(interaxial);
-    let camera = match entry.get("convergence").map(Value::as_str) {
-        None | Some(Some("off-axis")) => camera,
-        Some(Some("toe-in")) => camera.convergence(Convergence::ToeIn),
-        Some(_) => {
-            return Err(format!("convergence is {}; it must be \"off-axis\" or \"toe-in\"", entry["convergence"]));
-        }
+    if has("convergence") {
+        return Err("convergence is not read; the field is projection".into());
+    }
+    let camera = match entry.get("projection") {
+        None => camera,
+        Some(projection) => camera.projection(Projection::from_value(projection)?),
     };
+    if let Projection::Equirectangular(_) = camera.projection {
+        return Ok(camera);
+    }
     if !has("fx") {
         return Ok(camera.vertical_fov_degrees(number(entry, "vfov_deg")?).screen_distance(screen_distance(entry)?));
     }
@@ -413,8 +418,8 @@ mod tests {
         let twice = entry(r#""skew""#, r#""width": 1280, "height": 960, "skew""#);
         assert_eq!(twice, placed.intrinsics(lenses.scaled([0.5; 2])));
         assert_eq!(entry(r#""fy": 480.5,"#, ""), placed.intrinsics(Intrinsics::new([500.0; 2], [330.25, 239.0])));
-        let toed_in = entry(r#""skew""#, r#""screen_distance": 3, "convergence": "toe-in", "skew""#);
-        assert_eq!(toed_in.pose().unwrap().convergence, Convergence::ToeIn);
+        let toed_in = entry(r#""skew""#, r#""screen_distance": 3, "projection": "toe-in", "skew""#);
+        assert_eq!(toed_in.pose().unwrap().projection, Projection::ToeIn);
         // The matrix has x to the right, y down and z ahead, for an eye that looks along -z. The left eye is half the
         // baseline to the left.
         let matrix = r#""pose": [[1, 0, 0, 0.9375], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]"#;
@@ -446,7 +451,8 @@ mod tests {
             (r#""skew": 0"#, r#""eye_separation": 1"#, "baseline and eye_separation are both given"),
             (r#""skew": 0"#, r#""width": 1280"#, "height is missing"),
             (r#""skew": 0"#, r#""width": 0.5, "height": 1"#, "width or height is 0.5"),
-            (r#""skew": 0"#, r#""convergence": "parallel""#, "convergence is \"parallel\"; it must be \"off-axis\""),
+            (r#""skew": 0"#, r#""projection": "parallel""#, "projection is \"parallel\"; it must be off-axis"),
+            (r#""skew": 0"#, r#""convergence": "toe-in""#, "convergence is not read; the field is projection"),
             (r#""skew": 0"#, r#""screen_distance": "far""#, "screen_distance is \"far\"; it must be a number"),
             (
                 r#""cx": 330.25"#,

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::input;
 use crate::{
-    Convergence, Error, Limits, StereoCamera,
+    Error, Limits, Projection, StereoCamera,
     view::camera::{Aperture, Interaxial, Lenses, Screen},
 };
 
@@ -47,7 +47,7 @@ impl StereoCamera {
             "aperture": aperture,
             "screen": screen,
             "interaxial": interaxial,
-            "convergence": if self.convergence == Convergence::ToeIn { "toe-in" } else { "off-axis" },
+            "projection": self.projection.to_value(),
             "size": [self.width, self.height],
         });
         Ok(format!("{text:#}\n"))
@@ -110,11 +110,7 @@ fn read(entry: &Map<String, Value>) -> Result<StereoCamera, String> {
         true => Interaxial::Pixels(number(interaxial, "pixels")? as f32),
         false => Interaxial::World(number(interaxial, "world")? as f32),
     };
-    let convergence = match field(entry, "convergence")?.as_str() {
-        Some("off-axis") => Convergence::OffAxis,
-        Some("toe-in") => Convergence::ToeIn,
-        _ => return Err(format!("convergence is {}; it must be off-axis or toe-in", entry["convergence"])),
-    };
+    let projection = Projection::from_value(field(entry, "projection")?)?;
     let [width, height]: [u32; 2] = list(entry, "size", |value| value.as_u64()?.try_into().ok())?;
     let point = |name| list(entry, name, Value::as_f64).map(DVec3::from_array);
     Ok(StereoCamera {
@@ -124,7 +120,7 @@ fn read(entry: &Map<String, Value>) -> Result<StereoCamera, String> {
         aperture,
         screen,
         interaxial,
-        convergence,
+        projection,
         width,
         height,
     })
@@ -155,7 +151,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::{random::Random, view::camera::Intrinsics};
+    use crate::{Equirectangular, Span, random::Random, view::camera::Intrinsics};
 
     fn all() -> Vec<StereoCamera> {
         let mut random = Random::new(3);
@@ -171,7 +167,9 @@ mod tests {
                 camera.intrinsics(lens),
                 camera.intrinsics(lens.right_cx(lens.cx0 + f64::from(random.between(1.0, 9.0)))),
                 camera.intrinsics(lens).screen_distance(random.between(2.0, 9.0)),
-                camera.convergence(Convergence::ToeIn),
+                camera.projection(Projection::ToeIn),
+                camera.projection(Projection::Equirectangular(Equirectangular::new(Span::Full))),
+                camera.projection(Projection::Equirectangular(Equirectangular { span: Span::Half, merge: None })),
             ]);
         }
         cameras
@@ -205,7 +203,8 @@ mod tests {
             |camera| camera["interaxial"] = json!({ "world": -1 }),
             "interaxial is -1; it must be a number of at least 0",
         );
-        fault(|camera| camera["convergence"] = json!("both"), "it must be off-axis or toe-in");
+        fault(|camera| camera["projection"] = json!("both"), "projection is \"both\"; it must be off-axis, toe-in");
+        fault(|camera| camera["projection"] = json!({ "span_deg": 90 }), "span_deg is 90; it must be 360 or 180");
         assert!(
             StereoCamera::from_json_str("{\n\"camera\": ")
                 .unwrap_err()

@@ -29,6 +29,27 @@ pub(crate) struct Eyes {
     pub(crate) _pad: [u32; 2],
 }
 
+/// `Eyes` of shaders/shared/frame.wgsl for cameras with a viewing circle.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct CircleEyes {
+    pub(crate) centre: [f32; 3],
+    pub(crate) source_radius: f32,
+    pub(crate) right_axis: [f32; 3],
+    pub(crate) target_radius: f32,
+    pub(crate) up_axis: [f32; 3],
+    pub(crate) column_step: f32,
+    pub(crate) forward: [f32; 3],
+    pub(crate) row_step: f32,
+    pub(crate) middle: [f32; 2],
+    pub(crate) merge: [f32; 2],
+    pub(crate) most_elevation: f32,
+    pub(crate) wider: f32,
+    pub(crate) turn: u32,
+    pub(crate) wraps: u32,
+    pub(crate) _pad: [u32; 12],
+}
+
 /// `Band` of shaders/shared/frame.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -299,6 +320,9 @@ pub(crate) const LARGE: f32 = 64.0;
 /// width, in pixels of their size on the screen. It corresponds to an angle of 88.4 degrees at the screen, a larger
 /// angle in front of it, and a smaller one beyond it.
 pub(crate) const STEEPEST: f32 = 36.0;
+
+/// Largest difference of parallaxes between a sample and a point of its surface, in pixels.
+pub(crate) const MOST_PARALLAX: f32 = 0.75;
 
 /// Minimum depth of a groove, as a share of the tolerated difference of parallax or depth. It is 1/128 pixel for a
 /// tolerance of 0.75 pixels.

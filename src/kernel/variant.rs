@@ -10,8 +10,8 @@ use crate::{
     Material, Scene, ShadowReuse, Sky,
     ask::shadow_buffer::Reading,
     kernel::traversal::{Boxes, Fetch, RaysPerLane, Traversal},
-    kernel::{Canvas, Role, SampleUse, Shading},
-    view::rig::Projection,
+    kernel::{Canvas, Hits, Role, SampleUse, Shading},
+    view::rig::CameraModel,
 };
 
 /// The direction of shadow rays, if there are any.
@@ -118,7 +118,7 @@ pub(crate) enum SoftRole {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Variant {
     pub(crate) traversal: Traversal,
-    pub(crate) projection: Projection,
+    pub(crate) camera: CameraModel,
     pub(crate) triangles: bool,
     /// Whether the scene has spheres or ellipsoids.
     pub(crate) spheres: bool,
@@ -195,7 +195,7 @@ impl Variant {
     /// Variant of kernels that do not read the scene.
     pub(crate) const PIXELS: Self = Self {
         traversal: Traversal { fetch: Fetch::Texture, boxes: Boxes::Grid16, rays: RaysPerLane::One },
-        projection: Projection::Planar,
+        camera: CameraModel::Planar,
         triangles: false,
         spheres: false,
         ellipsoids: false,
@@ -276,14 +276,20 @@ impl Variant {
         let with = match role {
             // The kernel depends on whether samples have shares.
             Role::MarkBusy if self.shares && self.is_soft() => {
-                Self { triangles: true, soft_lights: true, shares: true, ..Self::PIXELS }
+                Self { camera: self.camera, triangles: true, soft_lights: true, shares: true, ..Self::PIXELS }
             }
-            Role::Pixels | Role::MarkBusy => Self::PIXELS,
-            Role::LinearPixels => Self { linear: self.linear, ..Self::PIXELS },
-            Role::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
+            Role::Pixels | Role::MarkBusy => Self { camera: self.camera, ..Self::PIXELS },
+            Role::LinearPixels => Self { camera: self.camera, linear: self.linear, ..Self::PIXELS },
+            Role::Objects => Self { camera: self.camera, traversal: self.traversal, ..Self::PIXELS },
             // Each lane marks a single texel.
-            Role::Draw(Canvas::Texels) => Self { traversal: self.traversal.rays(RaysPerLane::One), ..self.unlit() },
-            Role::Draw(Canvas::Picture | Canvas::Middles) | Role::Hits(_) | Role::RayList(_) => self.unlit(),
+            Role::Draw(Canvas::Texels) => {
+                Self { camera: CameraModel::Planar, traversal: self.traversal.rays(RaysPerLane::One), ..self.unlit() }
+            }
+            // T-buffers and shadow-buffers have planar pixels or none.
+            Role::Draw(Canvas::Picture | Canvas::Middles) | Role::Hits(Hits::Drawn) => {
+                Self { camera: CameraModel::Planar, ..self.unlit() }
+            }
+            Role::Hits(_) | Role::RayList(_) => self.unlit(),
             // Each lane traces one secondary ray or lists one pixel. Secondary rays start anywhere, so they count as
             // close.
             Role::Shade(Shading::ListMirrors | Shading::Mirrored) => Self {

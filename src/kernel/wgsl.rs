@@ -64,6 +64,7 @@ macro_rules! shared {
 pub(crate) const SHARED: &[Part] = shared![
     "aims",
     "angles",
+    "around",
     "bits",
     "boxes",
     "busy",

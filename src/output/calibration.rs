@@ -11,8 +11,8 @@ use crate::{Error, EyeTruth, GroundTruth, view::camera::Intrinsics};
 /// z along the view, in world units.
 #[cfg(any(test, feature = "exr", feature = "json"))]
 pub(super) fn world_to_camera(pose: &Pose, side: f64) -> [[f64; 4]; 4] {
-    let eye = pose.eye_position(side as f32);
-    let Pose { right, up, forward, .. } = pose.of_eye(side as f32);
+    let own = pose.of_eye(side as f32);
+    let (eye, Pose { right, up, forward, .. }) = (own.eye_position(0.0), own);
     let [right, up, forward] = [right, up, forward].map(|axis| axis.as_dvec3());
     let row = |axis: glam::DVec3| [axis.x, axis.y, axis.z, -axis.dot(eye)];
     [row(right), row(-up), row(forward), [0.0, 0.0, 0.0, 1.0]]
@@ -34,14 +34,17 @@ fn disparity_range(truth: &GroundTruth) -> [f64; 2] {
 /// the baseline in world units. Principal points are relative to the centre of the top left pixel, as in `OpenCV` and
 /// unlike elsewhere in this library. `vmin` and `vmax` are the disparity range of all surfaces of both views. `ndisp`
 /// suffices for a search from 0 on, so it ignores negative disparities.
-pub fn calib_txt(truth: &GroundTruth) -> String {
+///
+/// # Errors
+/// [`Error::Camera`] for equirectangular pictures, which have no intrinsics.
+pub fn calib_txt(truth: &GroundTruth) -> Result<String, Error> {
     let pose = &truth.pose;
-    let intrinsics = pose.intrinsics();
+    let intrinsics = pose.planar_intrinsics()?;
     let Intrinsics { fx, fy, cx0, cx1, cy } = intrinsics;
     let camera = |cx: f64| format!("[{fx} 0 {}; 0 {fy} {}; 0 0 1]", cx - 0.5, cy - 0.5);
     let [low, high] = disparity_range(truth);
     let (vmin, vmax) = (low.floor(), high.ceil());
-    format!(
+    Ok(format!(
         "cam0={}\ncam1={}\ndoffs={}\nbaseline={}\nwidth={}\nheight={}\nndisp={}\nisint=0\nvmin={vmin}\nvmax={vmax}\ndyavg=0\ndymax=0\n",
         camera(cx0),
         camera(cx1),
@@ -50,16 +53,16 @@ pub fn calib_txt(truth: &GroundTruth) -> String {
         pose.size[0],
         pose.size[1],
         vmax.max(0.0) + 1.0,
-    )
+    ))
 }
 
 impl Batch {
     /// Adds the camera in the format of Middlebury's `calib.txt` ([`calib_txt`]).
     ///
     /// # Errors
-    /// As [`Batch::add`].
+    /// As [`Batch::add`] and [`calib_txt`].
     pub fn add_calib(&mut self, path: impl AsRef<Path>, truth: &GroundTruth) -> Result<(), Error> {
-        self.add(path, calib_txt(truth).as_bytes())
+        self.add(path, calib_txt(truth)?.as_bytes())
     }
 
     /// Adds the camera as a JSON file ([`Pose::to_json`]).
@@ -110,17 +113,17 @@ mod tests {
         // is no surface.
         let expected = "cam0=[128 0 123.5; 0 128 63.5; 0 0 1]\ncam1=[128 0 131.5; 0 128 63.5; 0 0 1]\n\
                         doffs=8\nbaseline=0.25\nwidth=256\nheight=128\nndisp=13\nisint=0\nvmin=-2\nvmax=12\ndyavg=0\ndymax=0\n";
-        assert_eq!(calib_txt(&truth([11.5, -1.25, -8.0], [0, 1, MISS])), expected);
+        assert_eq!(calib_txt(&truth([11.5, -1.25, -8.0], [0, 1, MISS])).unwrap(), expected);
         // Tests sky alone, and points in the plane of the eyes.
-        assert!(calib_txt(&truth([-8.0; 3], [MISS; 3])).contains("ndisp=1\nisint=0\nvmin=-8\nvmax=-8\n"));
-        assert!(calib_txt(&truth([f32::INFINITY, 1.0, 2.0], [0; 3])).contains("vmin=1\nvmax=2\n"));
+        assert!(calib_txt(&truth([-8.0; 3], [MISS; 3])).unwrap().contains("ndisp=1\nisint=0\nvmin=-8\nvmax=-8\n"));
+        assert!(calib_txt(&truth([f32::INFINITY, 1.0, 2.0], [0; 3])).unwrap().contains("vmin=1\nvmax=2\n"));
     }
 
     #[test]
     fn intrinsics_and_matrices_show_points_where_the_pose_does() {
         let camera = StereoCamera::look_at(Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 0.5, -4.0)).size(123, 77);
         let pose = camera.interaxial(0.4).screen_distance(3.0).pose().unwrap();
-        let Intrinsics { fx, fy, cx0, cx1, cy } = pose.intrinsics();
+        let Intrinsics { fx, fy, cx0, cx1, cy } = pose.intrinsics().unwrap();
         for (side, cx) in [(-1.0, cx0), (1.0, cx1)] {
             for point in [Vec3::ZERO, Vec3::new(0.3, 0.2, -2.0), Vec3::new(-5.0, 2.0, -9.0)] {
                 let [x, y, z] = [0, 1, 2].map(|row| {

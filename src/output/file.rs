@@ -105,10 +105,26 @@ impl Picture {
 
     /// Returns the bytes of a PNG file; `path` is for errors.
     fn png(&self, path: &Path) -> Result<Vec<u8>, Error> {
-        let kind = PngKind { color: png::ColorType::Rgba, depth: png::BitDepth::Eight, is_srgb: true };
-        check_count(path, self.width, self.height, self.rgba8.len())?;
-        png_bytes(path, self.width, self.height, kind, self.rgba8.as_flattened())
+        png_with_xmp(self, path, None)
     }
+}
+
+/// Returns the bytes of a PNG file of a picture, with an XMP packet if one is given.
+#[cfg(feature = "png")]
+pub(super) fn png_with_xmp(picture: &Picture, path: &Path, xmp: Option<&str>) -> Result<Vec<u8>, Error> {
+    let kind = PngKind { color: png::ColorType::Rgba, depth: png::BitDepth::Eight, is_srgb: true };
+    let Picture { width, height, rgba8 } = picture;
+    check_count(path, *width, *height, rgba8.len())?;
+    let mut bytes = Vec::new();
+    let mut encoder = kind.encoder(&mut bytes, *width, *height);
+    let noted = xmp.map_or(Ok(()), |xmp| encoder.add_itxt_chunk("XML:com.adobe.xmp".into(), xmp.into()));
+    let written = noted.and_then(|()| {
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(rgba8.as_flattened())?;
+        writer.finish()
+    });
+    written.map_err(|error| Error::unwritable(path, error))?;
+    Ok(bytes)
 }
 
 /// Sample format of a PNG file.

@@ -24,7 +24,7 @@ const UNKNOWN: [u32; 2] = [u32::MAX; 2];
 
 impl Picture {
     /// Returns the bytes of a JPEG file without chroma subsampling; `path` is for errors.
-    fn jpeg(&self, path: &Path, quality: u8) -> Result<Vec<u8>, Error> {
+    pub(super) fn jpeg(&self, path: &Path, quality: u8) -> Result<Vec<u8>, Error> {
         if !(1..=100).contains(&quality) {
             let reason = format!("JPEG quality {quality}; it must be 1 to 100");
             return Err(Error::Options { option: "quality", reason });
@@ -75,14 +75,14 @@ impl Batch {
 }
 
 /// Inserts a segment into a JPEG file, after the JFIF segment at its start.
-fn with_segment(jpeg: &[u8], marker: u8, content: &[u8]) -> Vec<u8> {
+pub(super) fn with_segment(jpeg: &[u8], marker: u8, content: &[u8]) -> Vec<u8> {
     let place = first_segment_end(jpeg);
     let length = (content.len() as u16 + 2).to_be_bytes();
     [&jpeg[..place], &[0xff, marker], &length, content, &jpeg[place..]].concat()
 }
 
 /// Returns the end of the JFIF segment, which follows the file's first marker.
-fn first_segment_end(jpeg: &[u8]) -> usize {
+pub(super) fn first_segment_end(jpeg: &[u8]) -> usize {
     4 + usize::from(u16::from_be_bytes([jpeg[4], jpeg[5]]))
 }
 

@@ -12,6 +12,8 @@ mod file;
 #[cfg(feature = "jpeg")]
 mod jpeg;
 mod packing;
+#[cfg(any(feature = "jpeg", feature = "png"))]
+mod panorama;
 #[cfg(feature = "png")]
 mod png_rows;
 #[cfg(feature = "json")]

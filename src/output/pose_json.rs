@@ -7,20 +7,25 @@ use serde_json::{Map, Value, json};
 
 use super::calibration::world_to_camera;
 use crate::{
-    Convergence, Error, Limits, Pose,
+    Error, Limits, Pose, Projection,
     import::input,
-    view::camera::{Frustum, Intrinsics},
+    view::camera::{Field, Frustum, Intrinsics, Sphere},
 };
 
 impl Pose {
-    /// Returns the camera as JSON text. `left` and `right` have the intrinsics `fx`, `fy`, `cx` and `cy` in pixels, and
-    /// the matrices `world_to_camera` and `camera_to_world`, row by row. `pose` has the fields of this struct, which
-    /// [`Pose::from_json`] reads back to the bit. `conventions` describes frames and units.
+    /// Returns the camera as JSON text. `left` and `right` have the intrinsics `fx`, `fy`, `cx` and `cy` in pixels (not
+    /// for equirectangular pictures), and the matrices `world_to_camera` and `camera_to_world`, row by row. `pose` has
+    /// the fields of this struct, which [`Pose::from_json`] reads back to the bit. `conventions` describes frames and
+    /// units.
     pub fn to_json(&self) -> String {
         let vector = |v: Vec3| json!(v.to_array().map(f64::from));
-        let intrinsics = self.intrinsics();
-        let Frustum { distance, size, center, shift } = self.frustum;
-        let text = json!({
+        let field = match self.field {
+            Field::Screen(Frustum { distance, size, center, shift }) => {
+                ("frustum", json!({ "distance": distance, "size": size, "center": center, "shift": shift }))
+            }
+            Field::Sphere(Sphere { angles, .. }) => ("angles", json!(angles)),
+        };
+        let mut text = json!({
             "format": "stereotrace pose 1",
             "conventions": {
                 "length": "world units",
@@ -33,9 +38,8 @@ impl Pose {
             "width": self.size[0],
             "height": self.size[1],
             "baseline": self.baseline(),
-            "doffs": intrinsics.doffs(),
-            "left": eye(self, &intrinsics, -1.0),
-            "right": eye(self, &intrinsics, 1.0),
+            "left": eye(self, -1.0),
+            "right": eye(self, 1.0),
             "pose": {
                 "eye": self.eye.to_array(),
                 "forward": vector(self.forward),
@@ -46,11 +50,28 @@ impl Pose {
                 "interaxial": f64::from(self.interaxial),
                 "interaxial_px": f64::from(self.interaxial_px),
                 "size": self.size,
-                "convergence": if self.convergence == Convergence::ToeIn { "toe-in" } else { "off-axis" },
+                "projection": self.projection.to_value(),
                 "subject_distance": f64::from(self.subject_distance),
-                "frustum": { "distance": distance, "size": size, "center": center, "shift": shift },
+                field.0: field.1,
             },
         });
+        match self.intrinsics() {
+            Some(intrinsics) => {
+                text["doffs"] = json!(intrinsics.doffs());
+                for (name, cx) in [("left", intrinsics.cx0), ("right", intrinsics.cx1)] {
+                    let Intrinsics { fx, fy, cy, .. } = intrinsics;
+                    text[name]["fx"] = json!(fx);
+                    text[name]["fy"] = json!(fy);
+                    text[name]["cx"] = json!(cx);
+                    text[name]["cy"] = json!(cy);
+                }
+            }
+            None => {
+                text["conventions"]["camera_frame"] = json!("x right, y down, z ahead, origin in the circle's centre");
+                text["conventions"]["disparity"] =
+                    json!("x_left - x_right = width / angle * 2 atan(baseline / (2 s)); s is the horizontal distance");
+            }
+        }
         format!("{text:#}\n")
     }
 
@@ -80,24 +101,16 @@ fn length(value: f32) -> Value {
     if value == f32::INFINITY { json!("inf") } else { json!(f64::from(value)) }
 }
 
-fn eye(pose: &Pose, &Intrinsics { fx, fy, cx0, cx1, cy }: &Intrinsics, side: f64) -> Value {
+fn eye(pose: &Pose, side: f64) -> Value {
     let to_camera = world_to_camera(pose, side);
     // The axes are orthonormal only up to rounding, so the inverse is computed from the written matrix. glam's columns
     // hold our rows, for input and output.
     let to_world = DMat4::from_cols_array_2d(&to_camera).inverse();
-    json!({
-        "fx": fx,
-        "fy": fy,
-        "cx": if side < 0.0 { cx0 } else { cx1 },
-        "cy": cy,
-        "world_to_camera": to_camera,
-        "camera_to_world": to_world.to_cols_array_2d(),
-    })
+    json!({ "world_to_camera": to_camera, "camera_to_world": to_world.to_cols_array_2d() })
 }
 
 fn read(pose: &Map<String, Value>) -> Result<Pose, String> {
-    let frustum = field(pose, "frustum")?;
-    let fields = frustum.as_object().ok_or_else(|| format!("pose: frustum is {frustum}; it must be an object"))?;
+    let projection = Projection::from_value(field(pose, "projection")?).map_err(|reason| format!("pose: {reason}"))?;
     let read = Pose {
         eye: DVec3::from_array(list(pose, "eye", Value::as_f64, "numbers")?),
         forward: Vec3::from_array(numbers(pose, "forward")?),
@@ -108,21 +121,28 @@ fn read(pose: &Map<String, Value>) -> Result<Pose, String> {
         interaxial: number(pose, "interaxial", finite)?,
         interaxial_px: number(pose, "interaxial_px", finite)?,
         size: size(pose)?,
-        convergence: match field(pose, "convergence")?.as_str() {
-            Some("off-axis") => Convergence::OffAxis,
-            Some("toe-in") => Convergence::ToeIn,
-            _ => return Err(format!("pose: convergence is {}; it must be off-axis or toe-in", pose["convergence"])),
-        },
+        projection,
         subject_distance: positive(pose, "subject_distance", finite)?,
-        frustum: Frustum {
-            distance: positive(fields, "distance", Value::as_f64)?,
-            size: list(fields, "size", Value::as_f64, "numbers")?,
-            center: list(fields, "center", Value::as_f64, "numbers")?,
-            shift: number(fields, "shift", Value::as_f64)?,
+        field: match projection {
+            Projection::OffAxis | Projection::ToeIn => Field::Screen(frustum(pose)?),
+            Projection::Equirectangular(projection) => {
+                Field::Sphere(Sphere { projection, angles: list(pose, "angles", Value::as_f64, "numbers")? })
+            }
         },
         scene_origin: None,
     };
     Ok(read)
+}
+
+fn frustum(pose: &Map<String, Value>) -> Result<Frustum, String> {
+    let frustum = field(pose, "frustum")?;
+    let fields = frustum.as_object().ok_or_else(|| format!("pose: frustum is {frustum}; it must be an object"))?;
+    Ok(Frustum {
+        distance: positive(fields, "distance", Value::as_f64)?,
+        size: list(fields, "size", Value::as_f64, "numbers")?,
+        center: list(fields, "center", Value::as_f64, "numbers")?,
+        shift: number(fields, "shift", Value::as_f64)?,
+    })
 }
 
 fn field<'a>(pose: &'a Map<String, Value>, name: &str) -> Result<&'a Value, String> {
@@ -194,7 +214,7 @@ mod tests {
                 let camera = match round % 3 {
                     0 => camera.screen_width(scale * 0.37).screen_distance(scale / 3.0),
                     1 => camera.screen_distance(f32::INFINITY),
-                    _ => camera.convergence(Convergence::ToeIn),
+                    _ => camera.projection(Projection::ToeIn),
                 };
                 let Ok(pose) = camera.pose() else { continue };
                 let mut batch = Batch::new();

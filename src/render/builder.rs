@@ -52,7 +52,7 @@ impl<C: std::fmt::Debug> std::fmt::Debug for FrameBuilder<'_, C> {
 
 impl Renderer {
     /// Starts a stereo pair. [`FrameBuilder::read`] and [`FrameBuilder::trace`] trace toed-in eyes
-    /// ([`Convergence::ToeIn`](crate::Convergence::ToeIn)) one after the other by [`Method::Naive`], for any method. A
+    /// ([`Projection::ToeIn`](crate::Projection::ToeIn)) one after the other by [`Method::Naive`], for any method. A
     /// warning says so once per renderer. The other methods refuse toed-in eyes.
     pub fn pair<'a>(
         &'a mut self,

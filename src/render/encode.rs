@@ -83,6 +83,7 @@ impl Renderer {
             scene.weigh_sky().await?;
         }
         let eyes = rig.eyes(scene.origin)?;
+        eyes.check(options)?;
         let tables = scene.shadow_tables(&self.kernels, options).await?.map(|(tables, _)| tables);
         let drawn = self.drawn(scene, options);
         let (.., plan) = self.planned(scene, &eyes, options, drawn, Recall::Nothing);

@@ -25,7 +25,7 @@ use crate::{
     scene::shadowing::Kept,
     steps::paths::Paths,
     t_buffer::Drawn,
-    view::rig::Eyes,
+    view::rig::{CameraModel, Eyes},
 };
 
 /// Result of a frame: how its views were made, and their cost.
@@ -119,6 +119,7 @@ impl Renderer {
     ) -> Result<Done, Error> {
         scene.belongs_to(&self.gpu)?;
         options.check()?;
+        eyes.check(options)?;
         if options.samples_sky() {
             scene.weigh_sky().await?;
         }
@@ -180,7 +181,7 @@ impl Renderer {
         if let Some(history) = self.cache.history.as_mut().filter(|_| plan.remembers() && !done.in_steps) {
             let source = eyes.sources[0];
             let asked = done.tallies[source].asked(model);
-            history.turn(&eyes.uniform(source), lit, asked, paths_per_sample(options));
+            history.turn(&eyes.uniform(source, 0.0), lit, asked, paths_per_sample(options));
         }
         Ok(done)
     }
@@ -229,7 +230,7 @@ impl Renderer {
         let jitter = Jitter::of(options);
         let paths = Paths::of(options, 0);
         let view = |view| layout::Frame {
-            eyes: jitter.beside(eyes.uniform(view)),
+            eyes: eyes.uniform(view, jitter.reach()),
             band: layout::Band {
                 size: eyes.pose.size,
                 row_end: eyes.pose.size[1],
@@ -283,7 +284,7 @@ impl Renderer {
         let light = self.keeps_light(options, size);
         let fits = History::bytes(&self.gpu, size, light).is_some_and(|bytes| bytes <= history_bytes(options));
         match &self.cache.history {
-            _ if !is_whole || traced > 1 || !fits => (Recall::Nothing, None),
+            _ if !is_whole || traced > 1 || !fits || eyes.model() == CameraModel::Around => (Recall::Nothing, None),
             Some(history) if history.is_of(scene.id(), size, light) => history.recall(lit),
             _ => (Recall::Keep, None),
         }
@@ -347,7 +348,6 @@ impl Renderer {
     fn effective(&self, options: &Options, eyes: &Eyes, scene: &UploadedScene) -> Method {
         let width = eyes.pose.size[0];
         match options.method {
-            _ if !eyes.projection.has_one_origin() => Method::Naive,
             Method::Naive => Method::Naive,
             _ if eyes.pose.interaxial == 0.0 && options.noise_by_view => Method::Naive,
             _ if eyes.pose.interaxial == 0.0 => Method::Ideal,
@@ -404,10 +404,14 @@ impl Renderer {
         let shadow_rays = if counting.soft_lights { options.shadow_rays } else { 0 };
         let occlusion_rays = options.surroundings().map_or(0, |occlusion| occlusion.rays);
         let soft = shadow_rays + occlusion_rays > 0;
-        let rays = if eyes.projection.has_one_origin() { counting.traversal.rays } else { RaysPerLane::One };
+        let rays = match eyes.model() {
+            CameraModel::Planar => counting.traversal.rays,
+            // Rays of different pixels have different origins.
+            CameraModel::Around => RaysPerLane::One,
+        };
         Variant {
             traversal: counting.traversal.rays(rays),
-            projection: eyes.projection,
+            camera: eyes.model(),
             linear: options.linear || options.follows_paths(),
             jitter: Jitter::of(options).side(),
             close: scene.close_to(&eyes.positions()),

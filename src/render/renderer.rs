@@ -3,7 +3,7 @@
 use std::sync::Once;
 
 use crate::{
-    Convergence, Gpu, Method, Options, Pose,
+    Gpu, Method, Options, Pose, Projection,
     frame::{self, lanes::Steps},
     gpu::Timestamps,
     kernel::Kernels,
@@ -87,7 +87,7 @@ impl Renderer {
 
     /// Returns the eyes of a toed-in pair, each with a frame of its own, or `None` for other pairs.
     pub(super) fn toed_in(&self, pose: &Pose, options: &Options) -> Option<[Eyes; 2]> {
-        if pose.convergence == Convergence::OffAxis {
+        if pose.projection != Projection::ToeIn {
             return None;
         }
         if options.method != Method::Naive {

@@ -279,7 +279,8 @@ mod tests {
     fn an_edge_is_divided_where_the_other_view_shows_it() {
         let left = divided([8, 2], |[x, _]| f64::from(u8::from(x > 2.4)), 0.0);
         let mut right = divided([8, 2], |_| 0.0, 0.0);
-        let between = Parallax { scale_px: 6.0, at_infinity: 1.0, distance: 1.0 }; // 3 pixels at a depth of 2
+        // 3 pixels at a depth of 2.
+        let between = Parallax::Circle { px_per_radian: -1.5 / 0.25_f32.atan(), radius: 0.5 };
         let mut found = vec![false; 16];
         left.seen_by(&right, 0, &left.differing(0, 0.0), between, &mut found);
         assert_eq!(

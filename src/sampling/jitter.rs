@@ -1,7 +1,7 @@
 //! Offsets of jittered samples from their cells' centres, one per row of samples (docs/DESIGN.md, section 3;
 //! shaders/shared/jitter.wgsl).
 
-use crate::{Options, kernel::layout, random::pcg};
+use crate::{Options, random::pcg};
 
 /// The offsets of a picture's rows of samples, the same in all views.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,12 +27,6 @@ impl Jitter {
     /// Returns the side of the grid, or 1 without jitter.
     pub(crate) fn side(&self) -> u32 {
         self.side
-    }
-
-    /// Returns the eyes' uniform for jittered samples. Its guard band is wider, so that tile searches include the
-    /// samples' rays.
-    pub(crate) fn beside(&self, eyes: layout::Eyes) -> layout::Eyes {
-        layout::Eyes { wider: eyes.wider + self.reach(), ..eyes }
     }
 
     /// Returns the seed of the rows' offsets.

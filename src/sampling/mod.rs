@@ -11,7 +11,11 @@ pub(crate) use self::{
     jitter::Jitter,
     parts::PartSums,
 };
-use crate::{Error, Filter, Pose, view::camera, view::rig::Eyes};
+use crate::{
+    Error, Filter, Pose,
+    view::camera::{self, Field},
+    view::rig::Eyes,
+};
 
 impl Eyes {
     /// Returns the same eyes and screen with one pixel per sample, for `side` x `side` samples per pixel.
@@ -29,12 +33,19 @@ impl Eyes {
     /// # Errors
     /// Returns the errors of [`Eyes::with_samples`].
     pub(crate) fn with_lattice(&self, side: u32) -> Result<Self, Error> {
-        let Pose { size, screen_size, mut frustum, .. } = self.pose;
+        let Pose { size, screen_size, mut field, .. } = self.pose;
         let samples = size.map(|pixels| pixels * side);
         let larger = |axis: usize, length: f32| length * (1.0 + 1.0 / samples[axis] as f32);
         let screen_size = [larger(0, screen_size[0]), larger(1, screen_size[1])];
-        frustum.size = [0, 1].map(|axis| larger(axis, frustum.size[axis] as f32).into());
-        self.finer(Pose { size: samples.map(|samples| samples + 1), screen_size, frustum, ..self.pose }, side)
+        match &mut field {
+            Field::Screen(frustum) => {
+                frustum.size = [0, 1].map(|axis| larger(axis, frustum.size[axis] as f32).into());
+            }
+            Field::Sphere(sphere) => {
+                sphere.angles = [0, 1].map(|axis| sphere.angles[axis] * (1.0 + 1.0 / f64::from(samples[axis])));
+            }
+        }
+        self.finer(Pose { size: samples.map(|samples| samples + 1), screen_size, field, ..self.pose }, side)
     }
 
     /// Returns the same eyes with a pose that has `side` samples per pixel side.

@@ -134,7 +134,7 @@ impl<'a> Channels<'a> {
         let Some((pair, is_right)) = self.pair else {
             return Err(missing(channel, "only pairs have disparities; a camera converts depths"));
         };
-        if pair.pose.convergence == crate::Convergence::ToeIn {
+        if pair.pose.projection == crate::Projection::ToeIn {
             return Err(missing(channel, "toed-in eyes have none: points do not stay in their rows"));
         }
         Ok(Values::Floats(match self.truth()? {

@@ -2,7 +2,10 @@
 
 use glam::DVec3;
 
-use crate::{Convergence, Pose, StereoPair, View};
+use crate::{
+    Pose, Projection, StereoPair, View,
+    view::camera::{Circle, Field},
+};
 
 /// A right sample hides a left point if its disparity is larger by more than this, in pixels. Narrower gaps behind
 /// occluders are not detected.
@@ -25,18 +28,24 @@ impl Pose {
     /// Returns the disparity `x_l - x_r` in pixels of a point at depth `z`, in f64: the opposite of
     /// [`Pose::parallax_px`]. It is `e_px (d/Z - 1)`: positive in front of the screen, 0 on it, negative behind it,
     /// `-e_px` at infinity. For parallel cameras it is `f_px e / Z`, which is 0 at infinity and positive elsewhere. For
-    /// toed-in eyes it applies to points on the axis between them ([`Pose::parallax_px`]).
+    /// toed-in eyes it applies to points on the axis between them ([`Pose::parallax_px`]). For equirectangular pairs it
+    /// is `2 atan(e / (2 s)) w / a` on the horizon, with horizontal distances `s = z` and `w` columns for `a` radians.
     ///
     /// Both eyes look through one screen rectangle, so these disparities equal `f B / Z - e_px`. The first term is the
     /// disparity of two parallel cameras with baseline `B = e` and focal length `f = d w / W` pixels.
     pub fn disparity_px(&self, z: f32) -> f64 {
-        let parallax = self.parallax();
-        // Coinciding eyes have no disparity, not even in their plane.
-        if parallax.reach() == 0.0 {
-            return 0.0;
+        match self.field {
+            Field::Screen(frustum) => {
+                let parallax = self.planar_parallax(&frustum);
+                // Coinciding eyes have no disparity, not even in their plane.
+                if parallax.reach() == 0.0 {
+                    return 0.0;
+                }
+                let disparity = f64::from(parallax.distance) / f64::from(z) - f64::from(parallax.at_infinity);
+                f64::from(parallax.scale_px) * disparity / self.toe_in_divisor(z.into())
+            }
+            Field::Sphere(sphere) => Circle::of(self, &sphere).disparity_px(z.into(), 0.0),
         }
-        let disparity = f64::from(parallax.distance) / f64::from(z) - f64::from(parallax.at_infinity);
-        f64::from(parallax.scale_px) * disparity / self.toe_in_divisor(z.into())
     }
 }
 
@@ -48,9 +57,17 @@ impl Pose {
     /// along right, up and forward. The point then moves by `f (ρ - T φ) / (Z ± φ)` pixels in the other eye's
     /// picture. T is the tangent of the point's horizontal angle from that eye's axis. υ moves the point across rows
     /// only.
-    pub(crate) fn disparities_of_eye(&self, side: f64) -> impl Fn(usize, f32) -> f64 {
-        let (rounding, fx, cx) = (self.baseline_rounding(), self.focal_px()[0], self.principal_px(side as f32)[0]);
-        move |column, z| {
+    pub(crate) fn disparities_of_eye(&self, side: f64) -> Box<dyn Fn([usize; 2], f32) -> f64 + '_> {
+        let frustum = match self.field {
+            Field::Screen(frustum) => frustum,
+            Field::Sphere(sphere) => {
+                let circle = Circle::of(self, &sphere);
+                return Box::new(move |[_, row], s| circle.disparity_px(s.into(), circle.elevation(row as f64 + 0.5)));
+            }
+        };
+        let (rounding, [fx, _]) = (self.baseline_rounding(), frustum.focal_px(self.size));
+        let cx = self.principal_px(side as f32).map_or(0.0, |[cx, _]| cx);
+        Box::new(move |[column, _], z| {
             let nominal = self.disparity_px(z);
             if rounding == DVec3::ZERO || !nominal.is_finite() {
                 return nominal;
@@ -58,7 +75,24 @@ impl Pose {
             let z = f64::from(z);
             let tangent = (column as f64 + 0.5 - cx) / fx + side * f64::from(self.interaxial) / z;
             nominal + fx * (rounding.x - tangent * rounding.z) / (z + side * rounding.z)
+        })
+    }
+}
+
+impl Pose {
+    /// Returns the disparity in pixels of a point in a row, from its depth `z`, without the eyes' rounding. In
+    /// equirectangular pictures the eyes' distance depends on the row ([`PoleMerge`](crate::PoleMerge)).
+    pub(crate) fn disparities_of_rows(&self) -> impl Fn(usize, f32) -> f64 {
+        let circle = self.circle();
+        move |row, z| match circle {
+            None => self.disparity_px(z),
+            Some(circle) => circle.disparity_px(z.into(), circle.elevation(row as f64 + 0.5)),
         }
+    }
+
+    /// Returns a column of a picture of all directions between 0 and its width. Other columns stay as they are.
+    pub(crate) fn in_turn(&self, column: f64) -> f64 {
+        self.circle().and_then(|circle| circle.turn).map_or(column, |turn| column.rem_euclid(turn))
     }
 }
 
@@ -75,7 +109,7 @@ impl StereoPair {
     /// disparity `f32::INFINITY`.
     ///
     /// The list is empty if depth was not kept ([`GBuffer::None`](crate::GBuffer)), or if the eyes are toed in
-    /// ([`Convergence::ToeIn`](crate::Convergence)). With toed-in eyes, points don't stay in their rows.
+    /// ([`Projection::ToeIn`](crate::Projection)). With toed-in eyes, points don't stay in their rows.
     ///
     /// ```
     /// use stereotrace::{Builtin, render_stereo};
@@ -108,32 +142,37 @@ impl StereoPair {
     /// eye to each point, 0.3 to 2.9% of the pixels of the built-in scenes differ (docs/DESIGN.md, section 7).
     /// [`Renderer::occlusions`](crate::Renderer::occlusions) casts these rays.
     pub fn occlusion(&self) -> Vec<Occlusion> {
-        if self.pose.convergence == Convergence::ToeIn {
+        if self.pose.projection == Projection::ToeIn {
             return Vec::new();
         }
         let width = (self.left.width as usize).max(1);
         let (left, right) = (self.exact(&self.left, -1.0), self.exact(&self.right, 1.0));
         let rows = left.chunks_exact(width).zip(right.chunks_exact(width));
-        rows.flat_map(|(left, right)| left.iter().enumerate().map(|(column, &d)| seen(column, d, right))).collect()
+        let landing = |column: usize, d: f64| self.pose.in_turn(column as f64 + 0.5 - d);
+        let of_row = |(left, right): (&[f64], &[f64])| -> Vec<Occlusion> {
+            left.iter().enumerate().map(|(column, &d)| seen(landing(column, d), d, right)).collect()
+        };
+        rows.flat_map(of_row).collect()
     }
 
     fn disparities(&self, view: &View, side: f64) -> Vec<f32> {
-        match self.pose.convergence {
-            Convergence::OffAxis => self.exact(view, side).into_iter().map(|d| d as f32).collect(),
-            Convergence::ToeIn => Vec::new(),
+        match self.pose.projection {
+            Projection::OffAxis | Projection::Equirectangular(_) => {
+                self.exact(view, side).into_iter().map(|d| d as f32).collect()
+            }
+            Projection::ToeIn => Vec::new(),
         }
     }
 
     fn exact(&self, view: &View, side: f64) -> Vec<f64> {
         let width = (view.width as usize).max(1);
         let disparity = self.pose.disparities_of_eye(side);
-        view.depth.iter().enumerate().map(|(index, &z)| disparity(index % width, z)).collect()
+        view.depth.iter().enumerate().map(|(index, &z)| disparity([index % width, index / width], z)).collect()
     }
 }
 
-/// Returns whether a left point of this disparity is visible in a row of right disparities.
-fn seen(column: usize, disparity: f64, right: &[f64]) -> Occlusion {
-    let x = column as f64 + 0.5 - disparity;
+/// Returns whether a left point that lands at `x` is visible in a row of right disparities.
+fn seen(x: f64, disparity: f64, right: &[f64]) -> Occlusion {
     // Compared as floats, since x may be huge near the plane of the eyes.
     if !(x >= 0.0 && x < right.len() as f64) {
         return Occlusion::OutOfFrame;

@@ -152,9 +152,9 @@ fn eye_truth(
         object: view.object.clone(),
         material: Vec::with_capacity(count),
     };
-    let eye = pixels.eye() - scene.origin();
     for (index, (&z, &id)) in view.depth.iter().zip(&view.primitive).enumerate() {
-        let direction = pixels.direction(index % width, index / width);
+        let (eye, direction) = pixels.ray(index % width, index / width);
+        let eye = eye - scene.origin();
         truth.distance.push((f64::from(z) * direction.length()) as f32);
         let (geometric, shading, material) = match id {
             MISS => (Vec3::ZERO, Vec3::ZERO, MISS),

@@ -2,7 +2,10 @@
 
 use glam::DVec3;
 
-use crate::{Convergence, Error, Occlusion, Pose, Ray, Renderer, StereoPair, UploadedScene, View};
+use crate::{
+    Error, Occlusion, Pose, Projection, Ray, Renderer, StereoPair, UploadedScene, View,
+    view::camera::{Circle, CircleRay, Field},
+};
 
 /// A ray has hit the point itself if the hit's disparity exceeds the point's disparity by at most this many pixels. The
 /// value exceeds the rounding of depths and directions, even on surfaces seen edge-on. Wrong answers are limited to a
@@ -34,7 +37,7 @@ impl Renderer {
     /// [`Error::Options`] for a pair without depths, [`Error::Rig`] for toed-in eyes, and the errors of
     /// [`Renderer::closest_hits`].
     pub async fn occlusions(&self, scene: &UploadedScene, pair: &StereoPair) -> Result<Occlusions, Error> {
-        if pair.pose.convergence == Convergence::ToeIn {
+        if pair.pose.projection == Projection::ToeIn {
             let reason = "its eyes are toed in, so rows are not epipolar lines, which occlusion needs";
             return Err(Error::Rig { reason: reason.into() });
         }
@@ -56,26 +59,38 @@ impl Renderer {
         }
         let pixels = Pixels::of(pose, side);
         let width = view.width as usize;
-        let rays = view.depth.iter().enumerate().map(|(index, &z)| pixels.ray(index % width, index / width, z));
+        let rays =
+            view.depth.iter().enumerate().map(|(index, &z)| pixels.ray_of_other(index % width, index / width, z));
         let rays: Vec<Ray> = rays.collect();
         let hits = self.closest_hits(scene, &rays).await?.hits;
-        let disparity = pose.disparities_of_eye(2.0 * side);
+        let (disparity, nominal) = (pose.disparities_of_eye(2.0 * side), pose.disparities_of_rows());
         let found = hits.iter().enumerate().map(|(index, hit)| {
-            let (column, z) = (index % width, view.depth[index]);
+            let (pixel, z) = ([index % width, index / width], view.depth[index]);
             // The point's column in the other view.
-            let x = column as f64 + 0.5 + 2.0 * side * disparity(column, z);
+            let x = pose.in_turn(pixel[0] as f64 + 0.5 + 2.0 * side * disparity(pixel, z));
             if !(x >= 0.0 && x < width as f64) {
                 return Occlusion::OutOfFrame;
             }
-            let is_seen = pose.disparity_px(hit.t) <= pose.disparity_px(z) + SAME_POINT_PX;
+            let is_seen = nominal(pixel[1], hit.t) <= nominal(pixel[1], z) + SAME_POINT_PX;
             if is_seen { Occlusion::Visible } else { Occlusion::Hidden }
         });
         Ok(found.collect())
     }
 }
 
-/// Camera rays of one eye, and the position of the other eye.
-pub(crate) struct Pixels {
+/// Camera rays of one eye, and rays from the other eye to their hits.
+pub(crate) enum Pixels {
+    Planar(PlanarPixels),
+    Around {
+        circle: Circle,
+        pose: Pose,
+        /// -1 for the left eye, 1 for the right one.
+        side: f64,
+    },
+}
+
+/// Camera rays of a planar eye, and the position of the other eye.
+pub(crate) struct PlanarPixels {
     /// Position of the other eye in world coordinates.
     other_eye: DVec3,
     /// Vector from the other eye to this one, in world units.
@@ -91,26 +106,59 @@ pub(crate) struct Pixels {
 impl Pixels {
     /// Creates the rays of the view whose eye is `side` interaxials to the right of the midpoint.
     pub(crate) fn of(pose: &Pose, side: f64) -> Self {
+        let frustum = match pose.field {
+            Field::Screen(frustum) => frustum,
+            Field::Sphere(sphere) => {
+                return Self::Around { circle: Circle::of(pose, &sphere), pose: *pose, side: 2.0 * side };
+            }
+        };
         let [other, own] = [-2.0, 2.0].map(|times| pose.eye_position((times * side) as f32));
-        let [right, down] = pose.pixel_steps();
-        Self { other_eye: other, aside: own - other, corner: pose.corner(side), right, down }
+        let [right, down] = frustum.pixel_steps(pose);
+        Self::Planar(PlanarPixels {
+            other_eye: other,
+            aside: own - other,
+            corner: frustum.corner(pose, side),
+            right,
+            down,
+        })
     }
 
-    /// Returns the eye in world coordinates.
-    pub(crate) fn eye(&self) -> DVec3 {
-        self.other_eye + self.aside
-    }
-
-    /// Returns the direction through a pixel's centre, of length 1 along the view axis, so that depth equals t.
-    pub(crate) fn direction(&self, column: usize, row: usize) -> DVec3 {
-        self.corner + self.right * (column as f64 + 0.5) + self.down * (row as f64 + 0.5)
+    /// Returns the origin of the ray through a pixel's centre, and its direction, whose length makes t the depth.
+    pub(crate) fn ray(&self, column: usize, row: usize) -> (DVec3, DVec3) {
+        match self {
+            Self::Planar(pixels) => (pixels.other_eye + pixels.aside, pixels.direction(column, row)),
+            Self::Around { circle, pose, side } => {
+                in_world(pose, circle.ray([column as f64 + 0.5, row as f64 + 0.5], *side))
+            }
+        }
     }
 
     /// Returns the ray from the other eye to the point of a pixel at depth `z`, which is the ray's t.
-    fn ray(&self, column: usize, row: usize, z: f32) -> Ray {
-        let direction = self.direction(column, row);
-        // A point in the plane of the eyes has no direction of this length; it is out of frame.
-        let aside = if z > 0.0 { self.aside / f64::from(z) } else { DVec3::ZERO };
-        Ray::new(self.other_eye, (direction + aside).as_vec3())
+    fn ray_of_other(&self, column: usize, row: usize, z: f32) -> Ray {
+        let (eye, direction) = match self {
+            Self::Planar(pixels) => {
+                // A point in the plane of the eyes has no direction of this length; it is out of frame.
+                let aside = if z > 0.0 { pixels.aside / f64::from(z) } else { DVec3::ZERO };
+                (pixels.other_eye, pixels.direction(column, row) + aside)
+            }
+            Self::Around { circle, pose, side } => {
+                let row = row as f64 + 0.5;
+                let shift = side * circle.disparity_px(z.into(), circle.elevation(row));
+                in_world(pose, circle.ray([column as f64 + 0.5 + shift, row], -side))
+            }
+        };
+        Ray::new(eye, direction.as_vec3())
     }
+}
+
+impl PlanarPixels {
+    /// Returns the direction through a pixel's centre, of length 1 along the view axis.
+    fn direction(&self, column: usize, row: usize) -> DVec3 {
+        self.corner + self.right * (column as f64 + 0.5) + self.down * (row as f64 + 0.5)
+    }
+}
+
+/// Returns a ray's origin in world coordinates, and its direction.
+fn in_world(pose: &Pose, ray: CircleRay) -> (DVec3, DVec3) {
+    (pose.eye_position(0.0) + pose.in_world(ray.origin), pose.in_world(ray.direction))
 }

@@ -1,11 +1,13 @@
 //! The stereo camera: pose, off-axis frusta and parallax (DESIGN, section 2).
 
+mod circle;
 mod comfort;
 mod display;
 mod fitting;
 mod frustum;
 mod intrinsics;
 mod path;
+mod projection;
 mod ranges;
 mod toe_in;
 
@@ -13,6 +15,7 @@ pub use comfort::Comfort;
 pub use display::{ComfortRule, Comfortable, Display};
 pub use intrinsics::Intrinsics;
 pub use path::CameraPath;
+pub use projection::{Equirectangular, PoleMerge, Projection, Span};
 pub use ranges::{
     MAX_COORDINATE, MAX_EYE_COORDINATE, MAX_EYE_SHIFT, MAX_SIDE, MAX_WORLD_COORDINATE, MIN_EXTENT, MIN_PIXEL_ANGLE,
     SCREEN_DISTANCES,
@@ -23,7 +26,8 @@ use glam::{DVec3, Vec3};
 pub(crate) use self::intrinsics::Lenses;
 use self::ranges::{check_eyes, check_fields, check_pixel_angles, check_screen_distance, fault};
 pub(crate) use self::{
-    frustum::{Frustum, Parallax},
+    circle::{Circle, CircleRay, FROM_POLE},
+    frustum::{Field, Frustum, Parallax, Sphere},
     ranges::least_pixel_angle,
 };
 use crate::Error;
@@ -51,21 +55,6 @@ pub(crate) enum Screen {
     Offset(f64),
 }
 
-/// Orientation of the two eyes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Convergence {
-    /// Both eyes look along one direction, through one screen rectangle. If the screen is at infinity they are parallel
-    /// cameras. Rows of the pictures are epipolar lines: no point has vertical parallax.
-    #[default]
-    OffAxis,
-    /// The eyes turn towards each other, so that their axes meet at the screen's distance, as on a toe-in rig. Points
-    /// then have vertical parallax of up to [`Comfort::vertical_parallax_px`]. Rows are not epipolar lines, so no
-    /// samples can be reused. [`Method::Naive`](crate::Method::Naive) renders the pair even if another method is set,
-    /// and a warning is logged.
-    ToeIn,
-}
-
 /// Interaxial, in world units or in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Interaxial {
@@ -80,8 +69,8 @@ pub(crate) enum Interaxial {
 /// zero parallax. With `d` infinite the eyes are parallel cameras: points at infinity have zero parallax, nearer points
 /// have disparity `f_px e / Z`.
 ///
-/// [`Intrinsics`] describe a calibrated pair, and [`Convergence::ToeIn`] makes a toed-in pair. Setters accept any
-/// value; [`StereoCamera::pose`] and every render check the values.
+/// [`Intrinsics`] describe a calibrated pair, and [`Projection`] a toed-in pair or pictures of all directions. Setters
+/// accept any value; [`StereoCamera::pose`] and every render check the values.
 ///
 /// ```
 /// use stereotrace::{StereoCamera, glam::Vec3};
@@ -102,7 +91,7 @@ pub struct StereoCamera {
     pub(crate) aperture: Aperture,
     pub(crate) screen: Screen,
     pub(crate) interaxial: Interaxial,
-    pub(crate) convergence: Convergence,
+    pub(crate) projection: Projection,
     pub(crate) width: u32,
     pub(crate) height: u32,
 }
@@ -129,14 +118,15 @@ pub struct Pose {
     pub interaxial_px: f32,
     /// Picture size `[w, h]`, pixels.
     pub size: [u32; 2],
-    /// Orientation of the eyes. For toed-in eyes the axes of this pose belong to the midpoint; [`Pose::of_eye`] gives
+    /// How rays leave the eyes. For toed-in eyes the axes of this pose belong to the midpoint; [`Pose::of_eye`] gives
     /// an eye's own axes. `screen_size` and `interaxial_px` then describe the off-axis camera with the same settings.
-    pub convergence: Convergence,
+    /// Equirectangular pictures have the values of parallel cameras there.
+    pub projection: Projection,
     /// Distance to the subject in world units, for rules that need a length. It is the screen's distance, or the
     /// target's distance if the screen is at infinity.
     pub subject_distance: f32,
-    /// View rectangle of the eyes.
-    pub(crate) frustum: Frustum,
+    /// The directions that the picture shows.
+    pub(crate) field: Field,
     /// Origin of the rendered scene. The rendered eyes are f32 positions relative to it. `None` before a picture is
     /// rendered.
     pub(crate) scene_origin: Option<DVec3>,
@@ -158,7 +148,7 @@ impl StereoCamera {
             aperture: Aperture::VerticalFov(45.0),
             screen: Screen::Distance(distance),
             interaxial: Interaxial::World(distance / 30.0),
-            convergence: Convergence::OffAxis,
+            projection: Projection::OffAxis,
             width: 640,
             height: 480,
         }
@@ -265,14 +255,26 @@ impl StereoCamera {
         let height = (f64::from(width) * from_height / from_width).round().clamp(1.0, 16.0 * f64::from(width)) as u32;
         // Scaled intrinsics keep the field of view, also for cameras given by intrinsics.
         let scales = [f64::from(width) / from_width, f64::from(height) / from_height];
-        let camera = self.convergence(Convergence::OffAxis).interaxial(pose.interaxial).size(width, height);
-        Ok(camera.intrinsics(pose.intrinsics().scaled(scales)))
+        let camera = self.interaxial(pose.interaxial).size(width, height);
+        Ok(match pose.intrinsics() {
+            Some(intrinsics) => camera.projection(Projection::OffAxis).intrinsics(intrinsics.scaled(scales)),
+            None => camera,
+        })
     }
 
-    /// Sets how the eyes are oriented.
-    pub fn convergence(mut self, convergence: Convergence) -> Self {
-        self.convergence = convergence;
+    /// Sets how rays leave the eyes.
+    ///
+    /// [`Projection::Equirectangular`] pictures have no field of view and no screen, so those settings are ignored. The
+    /// `up` direction is their vertical axis, and the target gives the azimuth in their middle. Their interaxial must
+    /// be given in world units.
+    pub fn projection(mut self, projection: Projection) -> Self {
+        self.projection = projection;
         self
+    }
+
+    /// Returns how rays leave the eyes.
+    pub fn projection_kind(&self) -> Projection {
+        self.projection
     }
 
     /// Sets the interaxial `e` in world units.
@@ -330,7 +332,11 @@ impl StereoCamera {
             return fault("up", self.up.to_string(), "it must not be zero or parallel to the view direction");
         }
         let right = side.normalize();
-        let view = match (self.screen, self.aperture) {
+        let target_distance = (towards.length() as f32).clamp(*SCREEN_DISTANCES.start(), *SCREEN_DISTANCES.end());
+        if let Projection::Equirectangular(projection) = self.projection {
+            return self.around(projection, right, target_distance);
+        }
+        let mut view = match (self.screen, self.aperture) {
             (Screen::Distance(d), Aperture::VerticalFov(degrees)) if d.is_finite() => {
                 let height = 2.0 * d * half_fov(degrees)?.tan();
                 self.through_screen(d, [height * self.width as f32 / self.height as f32, height])?
@@ -343,9 +349,12 @@ impl StereoCamera {
             }
             _ => self.through_lenses()?,
         };
-        let target_distance = (towards.length() as f32).clamp(*SCREEN_DISTANCES.start(), *SCREEN_DISTANCES.end());
         let is_finite = view.screen_distance.is_finite();
-        let mut pose = Pose {
+        if self.projection == Projection::ToeIn {
+            // Each eye's picture is centred on the eye's own axis.
+            view.frustum.shift = 0.0;
+        }
+        let pose = Pose {
             eye: self.eye,
             forward: forward.as_vec3(),
             right: right.as_vec3(),
@@ -355,15 +364,44 @@ impl StereoCamera {
             interaxial: view.interaxial,
             interaxial_px: view.interaxial_px,
             size: [self.width, self.height],
-            convergence: self.convergence,
+            projection: self.projection,
             subject_distance: if is_finite { view.screen_distance } else { target_distance },
-            frustum: view.frustum,
+            field: Field::Screen(view.frustum),
             scene_origin: None,
         };
-        if self.convergence == Convergence::ToeIn {
-            // Each eye's picture is centred on the eye's own axis.
-            pose.frustum.shift = 0.0;
-        }
+        check_pixel_angles(self, &pose)?;
+        Ok(pose)
+    }
+
+    /// Checks an equirectangular camera with this right axis and distance of the target.
+    fn around(&self, projection: Equirectangular, right: DVec3, subject_distance: f32) -> Result<Pose, Error> {
+        projection.check()?;
+        let interaxial = match self.interaxial {
+            Interaxial::World(interaxial) if interaxial >= 0.0 && interaxial.is_finite() => interaxial,
+            Interaxial::World(_) => {
+                return fault("interaxial", self.interaxial_text(), "it must be a number of at least 0");
+            }
+            Interaxial::Pixels(_) => {
+                let reason = "equirectangular pictures have no parallax at infinity: give it in world units";
+                return fault("interaxial", self.interaxial_text(), reason);
+            }
+        };
+        let up = self.up.as_dvec3().normalize();
+        let pose = Pose {
+            eye: self.eye,
+            forward: up.cross(right).as_vec3(),
+            right: right.as_vec3(),
+            up: up.as_vec3(),
+            screen_distance: f32::INFINITY,
+            screen_size: [f32::INFINITY; 2],
+            interaxial,
+            interaxial_px: 0.0,
+            size: [self.width, self.height],
+            projection: self.projection,
+            subject_distance,
+            field: Field::Sphere(Sphere { projection, angles: [projection.span.radians(), std::f64::consts::PI] }),
+            scene_origin: None,
+        };
         check_pixel_angles(self, &pose)?;
         Ok(pose)
     }
@@ -442,7 +480,7 @@ impl StereoCamera {
                 "cx1 must be at least cx0: otherwise points at infinity would be farther left in the right view";
             return fault("doffs", offset.to_string(), reason);
         }
-        if offset > 0.0 && self.convergence == Convergence::ToeIn {
+        if offset > 0.0 && self.projection == Projection::ToeIn {
             let reason = "toed-in eyes have equal principal points: give a screen distance after the intrinsics";
             return fault("doffs", offset.to_string(), reason);
         }
@@ -610,7 +648,7 @@ mod tests {
         for given in [camera(), by_fov, camera().interaxial_pixels(7.0), by_fov.screen_distance(f32::INFINITY)] {
             let (before, after) = (given.pose().unwrap(), given.parallel().unwrap().pose().unwrap());
             assert_eq!((after.screen_distance, after.interaxial), (f32::INFINITY, before.interaxial));
-            let (before, after) = (before.intrinsics(), after.intrinsics());
+            let (before, after) = (before.intrinsics().unwrap(), after.intrinsics().unwrap());
             assert!((after.fx / before.fx - 1.0).abs() < 1e-6 && (after.fy / before.fy - 1.0).abs() < 1e-6);
             assert!(after.doffs() == 0.0 && (after.cx0 - 0.5 * (before.cx0 + before.cx1)).abs() < 1e-9);
         }

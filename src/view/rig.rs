@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::{Convergence, Error, Pose, StereoCamera};
+use super::camera::Field;
+use crate::{Error, Method, Options, Pose, Projection, StereoCamera, Visibility};
 
 /// Least number of views for which two traced views are better than one. Each other view then has a nearer source view,
 /// and most have traced views on both sides. This leaves far fewer shadow rays. With 45 views, each other view then
@@ -107,14 +108,22 @@ impl Rig {
             return fault(format!("two eyes have the offset {}", two[0]));
         }
         let pose = self.camera.pose_in(scene_origin)?;
-        if pose.convergence == Convergence::ToeIn {
-            return match self.offsets[..] {
-                [offset] => Ok(Eyes::mono(pose.of_eye(2.0 * offset))),
-                _ => fault(format!(
+        match (pose.projection, &self.offsets[..]) {
+            (Projection::OffAxis, _) => {}
+            (Projection::ToeIn, [offset]) => return Ok(Eyes::mono(pose.of_eye(2.0 * offset))),
+            (Projection::ToeIn, _) => {
+                return fault(format!(
                     "its {count} eyes are toed in, so rows are not epipolar lines; render them as a pair, or one at a \
                      time"
-                )),
-            };
+                ));
+            }
+            (Projection::Equirectangular(_), [0.0] | [-0.5, 0.5]) => {}
+            (Projection::Equirectangular(_), offsets) => {
+                return fault(format!(
+                    "its eyes have the offsets {offsets:?}; equirectangular pictures are rendered as a pair, or as one \
+                     picture from the midpoint"
+                ));
+            }
         }
         if pose.interaxial > 0.0 && count > 1 {
             // The outermost eye with its mirror image, and the two closest eyes, must each form a valid pair.
@@ -129,7 +138,7 @@ impl Rig {
             None => self.sources_by_rule(&pose),
         };
         let seconds = seconds(&self.offsets, &sources);
-        Ok(Eyes { pose, offsets: self.offsets.clone(), sources, seconds, projection: Projection::Planar })
+        Ok(Eyes { pose, offsets: self.offsets.clone(), sources, seconds })
     }
 
     /// Returns the nearest of the given views for each view.
@@ -189,27 +198,13 @@ fn seconds(offsets: &[f32], sources: &[usize]) -> Vec<usize> {
     sources.iter().enumerate().map(second).collect()
 }
 
-/// How the primary rays of a picture leave the eyes. Kernels use `shaders/shared/camera.wgsl`, and the host uses this
-/// type.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub(crate) enum Projection {
-    /// Rays through a screen's rectangle.
-    #[default]
+/// The section of `shaders/shared/camera.wgsl` that computes rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum CameraModel {
+    /// All rays of a view start at its eye.
     Planar,
-    /// Rays in all directions, along tangents of a circle. This variant tests which code another camera model needs.
-    #[cfg(test)]
+    /// Rays are tangents of a viewing circle.
     Around,
-}
-
-impl Projection {
-    /// Returns whether the rays of one view start at one point.
-    pub(crate) fn has_one_origin(self) -> bool {
-        match self {
-            Self::Planar => true,
-            #[cfg(test)]
-            Self::Around => false,
-        }
-    }
 }
 
 /// The checked eyes of a frame.
@@ -223,24 +218,49 @@ pub(crate) struct Eyes {
     pub(crate) sources: Vec<usize>,
     /// Second source of each view: the nearest traced view on the opposite side from its source, or else its source.
     pub(crate) seconds: Vec<usize>,
-    pub(crate) projection: Projection,
 }
 
 impl Eyes {
     /// Returns the eyes of a pair; the right view is made from the left one.
     pub(crate) fn pair(pose: &Pose) -> Self {
-        let projection = Projection::Planar;
-        Self { pose: *pose, offsets: vec![-0.5, 0.5], sources: vec![0, 0], seconds: vec![0, 0], projection }
+        Self { pose: *pose, offsets: vec![-0.5, 0.5], sources: vec![0, 0], seconds: vec![0, 0] }
     }
 
     /// Returns a single, traced eye.
     pub(crate) fn mono(pose: Pose) -> Self {
-        Self { pose, offsets: vec![0.0], sources: vec![0], seconds: vec![0], projection: Projection::Planar }
+        Self { pose, offsets: vec![0.0], sources: vec![0], seconds: vec![0] }
     }
 
-    /// Returns the eyes' positions relative to the scene's origin.
+    /// Returns the eyes' positions relative to the scene's origin. Those of an equirectangular pair look ahead.
     pub(crate) fn positions(&self) -> Vec<Vec3> {
         self.offsets.iter().map(|offset| self.pose.eye_in_scene(2.0 * offset)).collect()
+    }
+
+    /// Checks that the options are for these eyes.
+    ///
+    /// # Errors
+    /// [`Error::Options`] for equirectangular pictures by the T-buffer or by Adelson & Hodges's sweep on the host.
+    pub(crate) fn check(&self, options: &Options) -> Result<(), Error> {
+        let fault = |option, what: &str| {
+            Err(Error::Options {
+                option,
+                reason: format!("{what} makes planar pictures only, no equirectangular ones"),
+            })
+        };
+        match self.model() {
+            CameraModel::Planar => Ok(()),
+            CameraModel::Around if options.visibility == Visibility::TBuffer => fault("visibility", "the T-buffer"),
+            CameraModel::Around if options.method == Method::ADELSON_HODGES => fault("method", "adelson-hodges"),
+            CameraModel::Around => Ok(()),
+        }
+    }
+
+    /// Returns the camera model of kernels.
+    pub(crate) fn model(&self) -> CameraModel {
+        match self.pose.field {
+            Field::Screen(_) => CameraModel::Planar,
+            Field::Sphere(_) => CameraModel::Around,
+        }
     }
 
     /// Returns whether any view has a second source.

@@ -4,7 +4,7 @@ use crate::common;
 
 use common::{RandomScene, ball, is_exact, random::Random, renderer};
 use stereotrace::{
-    Convergence, Error, Light, MISS, MaterialId, Mesh, Method, Options, Renderer, Scene, Sphere, StereoCamera,
+    Error, Light, MISS, MaterialId, Mesh, Method, Options, Projection, Renderer, Scene, Sphere, StereoCamera,
     StereoPair,
     blocking::Wait,
     camera::{Intrinsics, MIN_PIXEL_ANGLE, SCREEN_DISTANCES},
@@ -87,13 +87,13 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
         (doffs(5.0).interaxial(0.0), "screen_distance is 0.0, from principal points 5 px apart"),
         (doffs(1e-12), "screen_distance is 11977658000000.0, from principal points"),
         (doffs(5.0).interaxial_pixels(5.0), "interaxial is 5.0 px; in pixels it is the parallax at infinity"),
-        (doffs(5.0).convergence(Convergence::ToeIn), "doffs is 5; toed-in eyes have"),
+        (doffs(5.0).projection(Projection::ToeIn), "doffs is 5; toed-in eyes have"),
         (doffs(5.0).screen_width(3.0), "screen_width is 3; give a finite screen distance"),
         (
             calibrated(Intrinsics::new([90.0; 2], [-1e6, 40.0]).right_cx(1e6)).interaxial(1e4),
             "interaxial is 10000.0, and pixels span",
         ),
-        (camera().convergence(Convergence::ToeIn).interaxial(5e8), "interaxial is 500000000.0; it moves an eye"),
+        (camera().projection(Projection::ToeIn).interaxial(5e8), "interaxial is 500000000.0; it moves an eye"),
     ];
     for (camera, expected) in refused {
         // The eyes are checked against the scene's origin when a frame is rendered.
@@ -107,7 +107,7 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
     parallel().interaxial(0.0).pose().unwrap();
     // A setting that contradicts a screen at infinity does not contradict a screen that is set later.
     doffs(5.0).screen_distance(3.0).interaxial_pixels(5.0).pose().unwrap();
-    doffs(5.0).screen_distance(3.0).convergence(Convergence::ToeIn).pose().unwrap();
+    doffs(5.0).screen_distance(3.0).projection(Projection::ToeIn).pose().unwrap();
     let later = doffs(5.0).vertical_fov_degrees(45.0).screen_distance(4.0).pose().unwrap();
     let plain = camera().interaxial(0.13).vertical_fov_degrees(45.0).screen_distance(4.0).pose().unwrap();
     assert_eq!(later, plain);

@@ -4,7 +4,7 @@ use crate::common;
 
 use common::{cases, is_exact, random::Random, render, renderer};
 use stereotrace::{
-    Adaptive, AmbientOcclusion, Builtin, Convergence, Error, FAR, Method, Occlusion, Options, PixelSource, Ray, Rig,
+    Adaptive, AmbientOcclusion, Builtin, Error, FAR, Method, Occlusion, Options, PixelSource, Projection, Ray, Rig,
     ShadowBuffer, StereoCamera, StereoPair, View, Visibility,
     blocking::Wait,
     camera::Intrinsics,
@@ -18,7 +18,7 @@ use stereotrace::{
 fn kinds(camera: StereoCamera) -> [(&'static str, StereoCamera); 4] {
     let pose = camera.pose().unwrap();
     let [w, h] = pose.size.map(f64::from);
-    let [f, _] = pose.focal_px();
+    let [f, _] = pose.focal_px().unwrap();
     let fov = 2.0 * (0.5 * h / f).atan().to_degrees();
     let apart = camera.interaxial(pose.interaxial).vertical_fov_degrees(fov as f32);
     let off_centre = Intrinsics::new([f, 0.8 * f], [0.42 * w, 0.61 * h]);
@@ -49,13 +49,13 @@ fn assert_same(found: &View, expected: &View, exact: bool, what: &str) {
 }
 
 /// The projection K [R | t] X in f64, computed from the parameters of the camera.
-struct Projection {
+struct Pinhole {
     k: DMat3,
     r: DMat3,
     t: DVec3,
 }
 
-impl Projection {
+impl Pinhole {
     /// Makes the projection of an eye at a distance `aside` to the right of `eye`.
     fn new(eye: DVec3, target: DVec3, up: DVec3, aside: f64, [fx, fy]: [f64; 2], [cx, cy]: [f64; 2]) -> Self {
         let z = (target - eye).normalize();
@@ -96,7 +96,7 @@ fn points_are_projected_by_k_r_t_for_any_intrinsics() {
             let aside = 0.5 * f64::from(side * interaxial);
             let cx = if side > 0.0 { cx1 } else { centre[0] };
             let [e, t, u] = [eye, target, up].map(|v| v.as_dvec3());
-            let exact = Projection::new(e, t, u, aside, focal, [cx, centre[1]]);
+            let exact = Pinhole::new(e, t, u, aside, focal, [cx, centre[1]]);
             let x = eye + (target - eye).normalize() * random.between(0.5, 20.0) + random.point(1.0);
             let expected = exact.of(x.as_dvec3());
             if expected[2] < 0.3 {
@@ -110,7 +110,7 @@ fn points_are_projected_by_k_r_t_for_any_intrinsics() {
                 worst = worst.max((found - expected[axis]).abs() / reach);
             }
         }
-        let back = pose.intrinsics();
+        let back = pose.intrinsics().unwrap();
         let numbers = |i: Intrinsics| [i.fx, i.fy, i.cx0, i.cx1, i.cy];
         for (back, given) in numbers(back).into_iter().zip(numbers(intrinsics)) {
             assert!((back - given).abs() < 1e-11 * (f64::from(w as u32) + given.abs()), "{back} {given}");
@@ -260,7 +260,7 @@ fn views_of_a_rig_and_those_that_stay_on_the_device_are_those_of_naive() {
 
 /// Returns the point at depth `z` on the ray through a position of an eye's picture, from the intrinsics alone.
 fn seen_at(pose: &stereotrace::Pose, side: f64, [x, y]: [f64; 2], z: f64) -> DVec3 {
-    let i = pose.intrinsics();
+    let i = pose.intrinsics().unwrap();
     let cx = if side < 0.0 { i.cx0 } else { i.cx1 };
     let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
     let eye = pose.eye + right * (0.5 * side * f64::from(pose.interaxial));
@@ -273,7 +273,7 @@ fn disparity_is_f_e_over_z_and_occlusions_are_what_the_other_eye_s_rays_meet() {
         let scene = builtin.scene();
         for (kind, camera) in kinds(builtin.camera(90, 60)) {
             let pair = render(&scene, &camera, Method::BRACKET_RAYS);
-            let (pose, i) = (&pair.pose, pair.pose.intrinsics());
+            let (pose, i) = (&pair.pose, pair.pose.intrinsics().unwrap());
             let renderer = renderer();
             let uploaded = renderer.upload(&scene).wait().unwrap();
             let occlusions = renderer.occlusions(&uploaded, &pair).wait().unwrap();
@@ -309,14 +309,14 @@ fn disparity_is_f_e_over_z_and_occlusions_are_what_the_other_eye_s_rays_meet() {
 }
 
 fn toed_in(builtin: Builtin) -> StereoCamera {
-    builtin.camera(90, 60).convergence(Convergence::ToeIn)
+    builtin.camera(90, 60).projection(Projection::ToeIn)
 }
 
 #[test]
 fn eyes_that_are_toed_in_meet_on_the_screen_and_see_keystones() {
     let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(400, 300).vertical_fov_degrees(50.0);
     let (e, d) = (0.4_f64, 5.0_f64);
-    let pose = camera.screen_distance(5.0).interaxial(0.4).convergence(Convergence::ToeIn).pose().unwrap();
+    let pose = camera.screen_distance(5.0).interaxial(0.4).projection(Projection::ToeIn).pose().unwrap();
     let f = 150.0 / 25.0_f64.to_radians().tan();
     let (sin, cos) = (0.5 * e / d).atan().sin_cos();
     for point in [[0.0, 0.0, 5.0], [1.1, 0.7, 5.0], [-2.0, -1.5, 3.0], [0.3, 4.0, 40.0_f64]] {
@@ -355,7 +355,7 @@ fn a_pair_that_is_toed_in_is_two_eyes_alone_and_says_so() {
     let options = Options::new(Method::BRACKET).linear(true).count(true);
     let pair = renderer.pair(&uploaded, &camera).options(&options).progress(&mut watch).read().wait().unwrap();
     assert!(progress.is_sorted() && progress.last() == Some(&1.0), "{progress:?}");
-    assert_eq!((pair.statistics.method, pair.pose.convergence), (Method::Naive, Convergence::ToeIn));
+    assert_eq!((pair.statistics.method, pair.pose.projection), (Method::Naive, Projection::ToeIn));
     assert!(pair.source.iter().all(|source| *source == PixelSource::Traced));
     assert_eq!((pair.source.len(), pair.statistics.retraced_share()), (90 * 60, 1.0));
     assert!(pair.statistics.left.cost() > 0 && pair.statistics.right.cost() > 0);
@@ -413,10 +413,10 @@ fn vertical_parallax_is_what_points_have_and_none_without_toe_in() {
         let bound = pair.pose.comfort(near, far, 1.0).vertical_parallax_px;
         println!("{builtin}: {most:.2} px found, {bound:.2} px at most");
         assert!(most > 0.05 && most <= bound && bound < 1.5 * most, "{builtin}: {most} {bound}");
-        let off_axis = camera.convergence(Convergence::OffAxis).pose().unwrap();
+        let off_axis = camera.projection(Projection::OffAxis).pose().unwrap();
         assert_eq!(off_axis.comfort(near, far, 1.0).vertical_parallax_px, 0.0);
         // Parallel axes never meet.
-        let parallel = kinds(builtin.camera(90, 60))[0].1.convergence(Convergence::ToeIn);
+        let parallel = kinds(builtin.camera(90, 60))[0].1.projection(Projection::ToeIn);
         assert!(parallel.pose().unwrap().comfort(near, far, 1.0).vertical_parallax_px < 1e-4);
     }
 }

@@ -7,6 +7,7 @@ mod solids;
 mod truth;
 
 mod adaptive;
+mod around;
 mod async_forms;
 mod bracket;
 mod bytes;

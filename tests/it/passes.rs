@@ -7,7 +7,7 @@ use crate::{
     paths::{room, room_camera},
 };
 use stereotrace::{
-    Builtin, Convergence, Error, Light, Lighting, Method, Options, Passes, Progress, Renderer, Rig, StereoCamera,
+    Builtin, Error, Light, Lighting, Method, Options, Passes, Progress, Projection, Renderer, Rig, StereoCamera,
     StereoPair, Update, UploadedScene, View, blocking::Wait, glam::Vec3,
 };
 
@@ -148,7 +148,7 @@ fn a_stopped_pass_leaves_the_others_and_rigs_have_passes_too() {
         assert!(apart(&view.view, &whole.view) < 1e-6 && apart(&view.view, &first.view) > 0.01);
     }
     // Toed-in eyes are traced one after the other.
-    let crossed = room_camera().convergence(Convergence::ToeIn);
+    let crossed = room_camera().projection(Projection::ToeIn);
     let mut passes = Passes::new();
     let mut pair = None;
     for _ in 0..2 {

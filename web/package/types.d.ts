@@ -48,6 +48,13 @@ export interface Camera {
     interaxialPixels?: number;
     /** Whether the eyes turn towards each other. Every method then traces both views. */
     toeIn?: boolean;
+    /**
+     * Makes equirectangular pictures of so many degrees (omnidirectional stereo), whose vertical axis is `up`. They have
+     * no field of view and no screen, and `interaxial` must be given in world units or left out.
+     */
+    projection?: 360 | 180;
+    /** Elevations in degrees between which the eyes of an equirectangular pair approach each other. Default [60, 75]. */
+    poleMerge?: readonly [number, number] | boolean;
 }
 
 /** Options of rendering. */

@@ -3,9 +3,13 @@
 use std::{error::Error, fs, path::PathBuf, sync::Arc};
 
 use clap::Args;
-use stereotrace::{Convergence, Limits, Scene, StereoCamera, camera::Display, glam::DVec3};
+use stereotrace::{
+    CameraPath, Equirectangular, Limits, Projection, Scene, Span, StereoCamera,
+    camera::{Display, HUMAN_INTERAXIAL, MIN_EXTENT},
+    glam::{DVec3, Vec3},
+};
 
-use super::values::{above_zero, display, point};
+use super::values::{PoleMergeArgument, ProjectionArgument, above_zero, display, point, pole_merge, projection};
 use crate::{shown, studio};
 
 #[derive(Clone, Debug, Args)]
@@ -44,6 +48,16 @@ pub(crate) struct CameraArguments {
     /// parallax
     #[arg(long)]
     toe_in: bool,
+    /// Projection: planar, or 360 or 180 for equirectangular pictures of so many degrees, for headsets. Their eyes turn
+    /// with the direction of view. Middle of the picture is the target's direction, and its vertical axis is --up
+    #[arg(long, value_name = "planar|360|180", value_parser = projection, conflicts_with_all = ["toe_in", "calib"])]
+    projection: Option<ProjectionArgument>,
+    /// Elevations in degrees between which the eyes of an equirectangular pair approach each other
+    #[arg(long, value_name = "FROM:TO|off", default_value = "60:75", value_parser = pole_merge)]
+    pole_merge: PoleMergeArgument,
+    /// World units per metre. The default interaxial of an equirectangular pair is 0.065 metres
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = above_zero, allow_hyphen_values = true)]
+    unit: f32,
     /// Calibration file of a rectified pair in Middlebury's or KITTI's format. It sets focal lengths, principal points,
     /// baseline and size
     #[arg(long, value_name = "FILE", conflicts_with_all = ["fov", "screen", "interaxial", "interaxial_px", "toe_in"])]
@@ -93,6 +107,55 @@ impl CameraArguments {
         }
     }
 
+    /// Returns the range of azimuths of equirectangular pictures, or `None` for planar ones.
+    fn span(&self) -> Option<Span> {
+        self.projection.and_then(|projection| projection.0)
+    }
+
+    /// Returns the default size of an eye's picture: width and height in pixels.
+    pub(super) fn default_size(&self) -> [u32; 2] {
+        match self.span() {
+            None => super::picture::SIZE,
+            Some(Span::Full) => [2048, 1024],
+            Some(Span::Half) => [1024, 1024],
+        }
+    }
+
+    fn equirectangular(&self, span: Span) -> Projection {
+        Projection::Equirectangular(Equirectangular { span, merge: self.pole_merge.0 })
+    }
+
+    /// Returns a path with the projection of --projection.
+    pub(super) fn projected_path(&self, path: CameraPath) -> CameraPath {
+        self.span().map_or(path.clone(), |span| path.projection(self.equirectangular(span)))
+    }
+
+    /// Returns the camera with the projection of --projection. An equirectangular pair is level unless --up is given.
+    /// Its eyes are a human's interaxial apart unless an option or the file of --cameras says otherwise.
+    ///
+    /// # Errors
+    /// Fails for options of planar pictures.
+    pub(super) fn projected(&self, camera: StereoCamera) -> Result<StereoCamera, String> {
+        let Some(span) = self.span() else { return Ok(camera) };
+        let planar = [
+            ("--fov", self.fov.is_some()),
+            ("--screen", self.screen.is_some()),
+            ("--interaxial-px", self.interaxial_px.is_some()),
+            ("--comfort", self.comfort.is_some()),
+        ];
+        if let Some((name, _)) = planar.iter().find(|(_, given)| *given) {
+            return Err(format!("{name} is for planar pictures; equirectangular ones have no screen"));
+        }
+        let projection = self.equirectangular(span);
+        let interaxial = match (self.interaxial, &self.cameras) {
+            (None, None) => HUMAN_INTERAXIAL * self.unit,
+            (None, Some(_)) => camera.pose().map_or(HUMAN_INTERAXIAL * self.unit, |pose| pose.interaxial),
+            (Some(interaxial), _) => interaxial,
+        };
+        let up = self.up.map_or(Vec3::Y, |up| up.as_vec3());
+        Ok(camera.projection(projection).up(up).interaxial(interaxial))
+    }
+
     /// Returns the camera's name in the file of --cameras.
     pub(super) fn name<'a>(&'a self, scene_name: &'a str) -> &'a str {
         self.camera.as_deref().unwrap_or(scene_name)
@@ -108,6 +171,12 @@ impl CameraArguments {
     ) -> Result<StereoCamera, stereotrace::Error> {
         let (low, high) = scene.bounds().unwrap_or((DVec3::NEG_ONE, DVec3::ONE));
         let camera = StereoCamera::fitting((low, high), width, height);
+        if self.span().is_some() && self.target.is_none() {
+            // All around, from the middle: ahead is -z.
+            let eye = self.eye.unwrap_or(low.midpoint(high));
+            let ahead = 0.5 * low.distance(high).max(f64::from(MIN_EXTENT));
+            return Ok(StereoCamera::look_at(eye, eye - ahead * DVec3::Z).size(width, height));
+        }
         if self.eye.is_none() && self.target.is_none() {
             return Ok(if flattered { studio::from_a_corner(camera) } else { camera });
         }
@@ -145,7 +214,7 @@ impl CameraArguments {
             camera = camera.interaxial_pixels(pixels);
         }
         if self.toe_in {
-            camera = camera.convergence(Convergence::ToeIn);
+            camera = camera.projection(Projection::ToeIn);
         }
         camera
     }

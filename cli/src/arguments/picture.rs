@@ -12,7 +12,8 @@ pub(super) const SIZE: [u32; 2] = [1280, 720];
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Picture")]
 pub(crate) struct PictureArguments {
-    /// Size of one eye's picture in pixels [default: 1280x720, or the size in the --calib file]
+    /// Size of one eye's picture in pixels [default: 1280x720, 2048x1024 for --projection 360, 1024x1024 for 180, or
+    /// the size in the --calib file]
     #[arg(long = "size", value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub(super) size_said: Option<[u32; 2]>,
     #[command(flatten)]
@@ -110,11 +111,6 @@ fn checked(name: &str, text: &str) -> Result<String, String> {
 }
 
 impl PictureArguments {
-    /// Returns the size of an eye's picture: width and height in pixels.
-    pub(crate) fn size(&self) -> [u32; 2] {
-        self.size_said.unwrap_or(SIZE)
-    }
-
     /// Returns whether the command line gives an option.
     pub(crate) fn gives(&self, name: &str) -> bool {
         self.options.given.iter().any(|(given, _)| *given == name)

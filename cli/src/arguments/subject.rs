@@ -10,7 +10,7 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    Builtin, GBuffer, Method, Options, Renderer, Scene, SceneFile, StereoCamera, StereoPair, UploadedScene,
+    Builtin, CameraPath, GBuffer, Method, Options, Renderer, Scene, SceneFile, StereoCamera, StereoPair, UploadedScene,
     blocking::Wait, glam::Vec3,
 };
 
@@ -155,6 +155,11 @@ impl Subject {
         self.picture.leaves_light_open() && scene.materials().iter().any(|material| material.principled.is_some())
     }
 
+    /// Returns the size of an eye's picture: width and height in pixels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.picture.size_said.unwrap_or_else(|| self.camera.default_size())
+    }
+
     /// Returns the scene's name: the name of a built-in scene, or the file name without its extension.
     pub(crate) fn name(&self) -> String {
         match self.builtin_name() {
@@ -166,6 +171,11 @@ impl Subject {
     /// Returns the scene's name in data sets: its file, or `builtin:NAME`.
     pub(crate) fn scene_name(&self) -> String {
         self.scene.to_string_lossy().into_owned()
+    }
+
+    /// Returns a path of cameras with the projection of --projection.
+    pub(crate) fn projected_path(&self, path: CameraPath) -> CameraPath {
+        self.camera.projected_path(path)
     }
 
     /// Returns whether an option sets the screen distance.
@@ -220,16 +230,16 @@ impl Subject {
         scene: &Scene,
         cameras: &[(Arc<str>, StereoCamera)],
     ) -> Result<StereoCamera, Box<dyn Error>> {
-        let [width, height] = self.picture.size();
-        let camera = match self.camera.read(&self.name(), self.picture.size(), &self.reading.limits())? {
+        let [width, height] = self.size();
+        let camera = match self.camera.read(&self.name(), self.size(), &self.reading.limits())? {
             Some(camera) => camera,
             None => match (self.builtin()?, self.camera.of_scene_file(cameras)?) {
                 (Some(builtin), _) => builtin.camera(width, height),
                 (None, Some(camera)) => camera.size(width, height),
-                (None, None) => self.camera.fitting(scene, self.picture.size(), self.is_flattered())?,
+                (None, None) => self.camera.fitting(scene, self.size(), self.is_flattered())?,
             },
         };
-        let camera = self.camera.replace_parts(camera);
+        let camera = self.camera.projected(self.camera.replace_parts(camera))?;
         let camera = self.camera.calibrated(camera, self.picture.size_said, &self.reading.limits())?;
         camera.pose()?; // reports an invalid camera before the scene is uploaded
         Ok(camera)

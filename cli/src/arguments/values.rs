@@ -3,7 +3,7 @@
 use std::{ops::Range, path::PathBuf};
 
 use stereotrace::{
-    Light, MissingTextures, Origin, OutsideFiles,
+    Light, MissingTextures, Origin, OutsideFiles, PoleMerge, Span,
     camera::Display,
     glam::{DVec3, Vec3},
 };
@@ -25,6 +25,34 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     match sides {
         Some([Ok(width), Ok(height)]) if width > 0 && height > 0 => Ok([width, height]),
         _ => Err("it must be like 1280x720".into()),
+    }
+}
+
+/// Range of azimuths of equirectangular pictures; `None` for planar ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ProjectionArgument(pub(crate) Option<Span>);
+
+pub(crate) fn projection(text: &str) -> Result<ProjectionArgument, String> {
+    match text {
+        "planar" => Ok(ProjectionArgument(None)),
+        "360" => Ok(ProjectionArgument(Some(Span::Full))),
+        "180" => Ok(ProjectionArgument(Some(Span::Half))),
+        _ => Err("it must be planar, 360 or 180".into()),
+    }
+}
+
+/// Merging of the eyes at the poles, if any.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PoleMergeArgument(pub(crate) Option<PoleMerge>);
+
+pub(crate) fn pole_merge(text: &str) -> Result<PoleMergeArgument, String> {
+    if text == "off" {
+        return Ok(PoleMergeArgument(None));
+    }
+    let angles = text.split_once(':').map(|(from, to)| [from, to].map(str::parse));
+    match angles {
+        Some([Ok(from), Ok(to)]) => Ok(PoleMergeArgument(Some(PoleMerge { from, to }))),
+        _ => Err("it must be off, or two elevations in degrees like 60:75".into()),
     }
 }
 

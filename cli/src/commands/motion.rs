@@ -39,8 +39,9 @@ impl MotionArguments {
         let Some(file) = &self.path else {
             return Ok(self.orbit.map(|frames| Motion::Orbit(camera, frames)));
         };
-        let [width, height] = subject.picture.size();
+        let [width, height] = subject.size();
         let path = CameraPath::from_json_within(file, width, height, &subject.reading.limits())?;
+        let path = subject.projected_path(path);
         match path.frames() {
             count if count > MOST => Err(format!("{}: {count} frames; the maximum is {MOST}", shown(file)).into()),
             _ => Ok(Some(Motion::Path(path))),

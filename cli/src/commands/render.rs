@@ -15,7 +15,7 @@ use crate::{
     arguments::{Global, Purpose, Subject, above_zero},
     progress::Progress,
     summary::Summary,
-    target::{EyesArguments, Target, add_pair, is_open_exr},
+    target::{EyesArguments, Target, add_pair, add_view, is_open_exr},
 };
 
 /// Interval at which --watch checks the files.
@@ -23,8 +23,9 @@ const GLANCE: Duration = Duration::from_millis(250);
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// File or folder to write. A .png or .jpg file holds the anaglyph or the --packing; a .jps, .mpo or .exr file
-    /// holds both views. A folder gets the left view, right view, anaglyph and all other requested files
+    /// File or folder to write. A .png or .jpg file holds the anaglyph or the --packing; a .jps, .mpo or .exr file holds
+    /// both views, and so does a .vr.jpg file with --projection 360 or 180. A folder gets the left view, right view,
+    /// anaglyph and all other requested files
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
     out: PathBuf,
     /// Also render by naive, and report the right eye's errors relative to naive
@@ -113,16 +114,17 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
         false => None,
     };
     let mut batch = Batch::new();
+    let eyes = arguments.eyes.suiting(&pair.pose);
     match target {
         Target::File(file) => {
             // Ground truth describes the surfaces at pixel centres. Not all methods show these surfaces.
             let is_exact = matches!(pair.statistics.method, Method::Naive | Method::Bracket(_));
             let truth = (is_open_exr && is_exact)
                 .then(|| stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair).wait());
-            add_pair(&mut batch, file, &pair, truth.transpose()?.as_ref(), &arguments.eyes)?;
+            add_pair(&mut batch, file, &pair, truth.transpose()?.as_ref(), &eyes)?;
         }
         Target::Folder(folder) => {
-            add_pictures(&mut batch, arguments, &pair, folder)?;
+            add_pictures(&mut batch, (&eyes, arguments.dump), (&pair, &stage.name), folder)?;
             if arguments.ground_truth {
                 add_truth(
                     &mut batch,
@@ -140,20 +142,20 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
 /// Adds the pictures of a folder: both views, the anaglyph, the packing and the maps of --dump.
 fn add_pictures(
     batch: &mut Batch,
-    arguments: &Arguments,
-    pair: &StereoPair,
+    (eyes, dump): (&EyesArguments, bool),
+    (pair, scene): (&StereoPair, &str),
     folder: &Path,
 ) -> Result<(), Box<dyn Error>> {
-    let eyes = &arguments.eyes;
     let (left, right) = eyes.ordered(&pair.left, &pair.right);
-    batch.add_png(folder.join("left.png"), &left.picture())?;
-    batch.add_png(folder.join("right.png"), &right.picture())?;
+    add_view(batch, &folder.join("left.png"), left, &pair.pose)?;
+    add_view(batch, &folder.join("right.png"), right, &pair.pose)?;
     let anaglyph = EyesArguments { packing: None, ..eyes.clone() };
     batch.add_png(folder.join("anaglyph.png"), &anaglyph.picture(&pair.left, &pair.right))?;
     if let Some(packing) = eyes.packing {
-        batch.add_png(folder.join(format!("{packing}.png")), &eyes.picture(&pair.left, &pair.right))?;
+        let name = EyesArguments::packed_name(packing, &pair.pose, scene);
+        batch.add_png(folder.join(name + ".png"), &eyes.picture(&pair.left, &pair.right))?;
     }
-    if arguments.dump {
+    if dump {
         add_maps(batch, pair, [("left", left), ("right", right)], folder)?;
     }
     Ok(())
@@ -174,13 +176,15 @@ fn add_truth(batch: &mut Batch, truth: &GroundTruth, folder: &Path) -> Result<()
         batch.add_pfm_color(file("normals", "pfm"), width, height, &eye.shading_normal)?;
         batch.add_ids_png(file("objects", "png"), width, height, &eye.object)?;
         batch.add_ids_png(file("materials", "png"), width, height, &eye.material)?;
-        if truth.pose.screen_distance.is_infinite() {
+        if truth.pose.intrinsics().is_some_and(|intrinsics| intrinsics.doffs() == 0.0) {
             let (all, of_both) = (eye.surfaces(), eye.surfaces_of_both());
             batch.add_kitti_disparity(file("disp_occ_", "png"), width, height, &eye.disparity, &all)?;
             batch.add_kitti_disparity(file("disp_noc_", "png"), width, height, &eye.disparity, &of_both)?;
         }
     }
-    batch.add_calib(folder.join("calib.txt"), truth)?;
+    if truth.pose.intrinsics().is_some() {
+        batch.add_calib(folder.join("calib.txt"), truth)?;
+    }
     Ok(batch.add_camera_json(folder.join("camera.json"), &truth.pose)?)
 }
 

@@ -8,7 +8,7 @@ use std::{
 
 use serde_json::{Value, json};
 use stereotrace::{
-    Comfort, Lighting, MISS, Statistics, StereoPair, Work,
+    Comfort, Lighting, MISS, Projection, Statistics, StereoPair, Work,
     message::{counted, escaped, noun},
     metrics::Difference,
 };
@@ -45,7 +45,9 @@ impl Display for Report<'_> {
         line(f, "scene", scene_line(self.stage))?;
         let [width, height] = pose.size;
         let (e, px, d) = (pose.interaxial, pose.interaxial_px, pose.screen_distance);
-        line(f, "camera", format!("{width}x{height}, e = {e:.4} ({px:.2} px), d = {d:.4}"))?;
+        let is_around = matches!(pose.projection, Projection::Equirectangular(_));
+        let screen = if is_around { "equirectangular".into() } else { format!("{px:.2} px, d = {d:.4}") };
+        line(f, "camera", format!("{width}x{height}, e = {e:.4}, {screen}"))?;
         line(f, "method", self.method_line())?;
         if let Some(choice) = statistics.choice {
             line(f, "chose", choice)?;
@@ -61,8 +63,10 @@ impl Display for Report<'_> {
             line(f, "warning", "the left eye sees only sky: check --eye and --target")?;
         }
 
-        self.comfort_lines(f)?;
-        if self.arguments.eyes.packing.is_none() {
+        if !is_around {
+            self.comfort_lines(f)?;
+        }
+        if self.arguments.eyes.packing.is_none() && !is_around {
             let swapped = if self.arguments.eyes.swap { ", worn reversed (--swap)" } else { "" };
             line(f, "glasses", format!("{}{swapped}", self.arguments.eyes.anaglyph.glasses()))?;
         }

@@ -62,6 +62,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut stage = arguments.subject.open(Purpose::Pictures, global)?;
     let motion = arguments.motion.motion(&arguments.subject, stage.camera)?;
     let motion = motion.unwrap_or(Motion::Orbit(stage.camera, ORBIT));
+    let eyes = arguments.eyes.suiting(&stage.camera.pose()?);
     let all = 0..motion.frames();
     let range = arguments.frames.clone().unwrap_or(all.clone());
     if range.end > all.end {
@@ -70,12 +71,12 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let stop = Stop::on_signals()?;
     let pending = match names.folder() {
         Some(folder) => {
-            let record = record::of(&arguments.subject, &stage.scene, &(&arguments.eyes, &motion))?;
-            let there = |frame: &u32| names.files(*frame, &arguments.eyes).iter().any(|file| file.exists());
+            let record = record::of(&arguments.subject, &stage.scene, &(&eyes, &motion))?;
+            let there = |frame: &u32| names.files(*frame, &eyes).iter().any(|file| file.exists());
             keep(&record, folder, arguments.overwrite, || {
-                all.clone().filter(there).flat_map(|frame| names.files(frame, &arguments.eyes)).collect()
+                all.clone().filter(there).flat_map(|frame| names.files(frame, &eyes)).collect()
             })?;
-            range.clone().filter(|frame| !names.are_there(*frame, &arguments.eyes)).collect::<Vec<_>>()
+            range.clone().filter(|frame| !names.are_there(*frame, &eyes)).collect::<Vec<_>>()
         }
         None => range.clone().collect(),
     };
@@ -101,7 +102,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         }
         let pair = picture(&mut stage, &motion, frame, &mut progress)?;
         last = Some(frame);
-        size = match names.write(&pair, frame, &arguments.eyes) {
+        size = match names.write(&pair, frame, &eyes) {
             // The signal may also have ended the program that reads the pipe.
             Err(_) if names == Names::Stdout && stop.is_asked_for() => return Err(interrupted().into()),
             written => written?,

@@ -40,8 +40,12 @@ impl Place {
     pub(super) fn of(camera: &StereoCamera) -> Result<Self, Box<dyn Error>> {
         let pose = camera.pose()?;
         let Pose { eye, forward, screen_distance, subject_distance, interaxial, size, .. } = pose;
-        let ([fx, fy], middle) = (pose.focal_px(), size.map(|side| 0.5 * f64::from(side)));
-        let [x, y] = pose.principal_px(0.0);
+        let (Some([fx, fy]), Some([x, y])) = (pose.focal_px(), pose.principal_px(0.0)) else {
+            return Err(
+                "the window shows planar pictures only: use `stereotrace render` for equirectangular ones".into()
+            );
+        };
+        let middle = size.map(|side| 0.5 * f64::from(side));
         let most = 1e-3 * middle[0].max(middle[1]);
         if (x - middle[0]).abs().max((y - middle[1]).abs()) > most || (fx / fy - 1.0).abs() > 1e-3 {
             return Err(

@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let steps = arguments.replay.as_deref().map(replay::read).transpose()?.unwrap_or_default();
     let plan = Plan { steps, frames: arguments.frames, screenshot: arguments.screenshot.clone() };
     let subject = &arguments.subject;
-    let size = subject.picture.size();
+    let size = subject.size();
     if size.iter().any(|side| *side > MOST) {
         return Err(format!("--size {}x{}: a window can have at most {MOST} pixels per side", size[0], size[1]).into());
     }

@@ -249,7 +249,7 @@ mod tests {
         let Cli { global, command: Command::View(arguments) } = Cli::parse_from(&line) else { panic!("view") };
         let (subject, eyes) = arguments.parts();
         let mut stage = subject.open(Purpose::Pictures, &global).unwrap();
-        let mut settings = Settings::new(&stage, eyes, subject.picture.size()).unwrap();
+        let mut settings = Settings::new(&stage, eyes, subject.size()).unwrap();
         change(&mut settings);
         let uploaded = stage.renderer.upload(&stage.scene).wait().unwrap();
         let pair = stage.renderer.pair(&uploaded, &settings.camera()).options(&settings.options).read().wait().unwrap();

@@ -28,7 +28,7 @@ impl Driver<'_> {
         let source = targets.get(Resource::View, self.eyes.sources[view]);
         let source: Vec<layout::Pixel> = gpu.read(source, rows.end).await?;
         let depths: Vec<f32> = source[rows.clone()].iter().map(|pixel| pixel.depth).collect();
-        let keys = sweep(&self.eyes.uniform(view), width, &depths);
+        let keys = sweep(&self.eyes.uniform(view, 0.0), width, &depths);
         let marked: Vec<_> = keys.into_iter().map(|marks| layout::Pixel { marks, ..Default::default() }).collect();
         let offset = (rows.start * size_of::<layout::Pixel>()) as u64;
         gpu.queue.write_buffer(targets.get(Resource::View, view), offset, bytemuck::cast_slice(&marked));

@@ -82,5 +82,5 @@ impl BufferDepth {
 /// samples in one right column are fewer than `B + 1` columns apart (thesis, Lemma 1, with rounding as in DESIGN,
 /// section 2). An infinite farthest depth counts as 1/Z = 0.
 pub(crate) fn lemma1(pose: &Pose, nearest: f32, farthest: f32) -> f64 {
-    pose.parallax().reach() * (1.0 / f64::from(nearest) - 1.0 / f64::from(farthest))
+    pose.parallax().between(nearest, farthest)
 }

@@ -310,7 +310,7 @@ mod tests {
                 assert!((193.001 * 3979.911 / (disparity + 124.343) - z).abs() < 1e-3 * z);
             }
             // Every number is reproduced.
-            let back = pose.intrinsics();
+            let back = pose.intrinsics().unwrap();
             let found = [back.fx, back.fy, back.cx0 - 0.5, back.cx1 - 0.5, back.cy - 0.5, back.doffs()];
             let given = [3979.911, 3979.911, 1244.772, 1369.115, 1019.507, 124.343];
             assert_eq!(found.map(|number| number as f32), given.map(|number: f64| number as f32));
@@ -325,7 +325,7 @@ mod tests {
     fn kitti_s_matrices_say_where_cameras_stand() {
         let grey = kitti(KITTI, [0, 1]).unwrap().pose().unwrap();
         assert_eq!(grey.interaxial, (387.5744 / 721.5377) as f32);
-        assert_eq!(grey.intrinsics().cx0 as f32, 610.0593);
+        assert_eq!(grey.intrinsics().unwrap().cx0 as f32, 610.0593);
         assert!((grey.disparity_px(10.0) - 38.75744).abs() < 1e-5);
         let [from, to] =
             [(44.85728, 0.002745884), (-339.5242, 0.002729905)].map(|(x, z)| (x - 609.5593 * z) / 721.5377);

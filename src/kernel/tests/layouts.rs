@@ -8,6 +8,7 @@ use crate::{
     render::denoise::SMOOTH_LIGHT_ONCE,
     shadow_buffer::READ_TEXELS,
     steps::paths::{ADD_BROUGHT, TRACE_PATHS},
+    view::rig::CameraModel,
 };
 
 macro_rules! assert_layout {
@@ -57,6 +58,25 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             second_same_parallax,
         }
     );
+    let around = parse(&TRACE_LEFT, &Variant { camera: CameraModel::Around, ..with });
+    let stated = [
+        ("centre", offset_of!(layout::CircleEyes, centre)),
+        ("source_radius", offset_of!(layout::CircleEyes, source_radius)),
+        ("right_axis", offset_of!(layout::CircleEyes, right_axis)),
+        ("target_radius", offset_of!(layout::CircleEyes, target_radius)),
+        ("up_axis", offset_of!(layout::CircleEyes, up_axis)),
+        ("column_step", offset_of!(layout::CircleEyes, column_step)),
+        ("forward", offset_of!(layout::CircleEyes, forward)),
+        ("row_step", offset_of!(layout::CircleEyes, row_step)),
+        ("middle", offset_of!(layout::CircleEyes, middle)),
+        ("merge", offset_of!(layout::CircleEyes, merge)),
+        ("most_elevation", offset_of!(layout::CircleEyes, most_elevation)),
+        ("wider", offset_of!(layout::CircleEyes, wider)),
+        ("turn", offset_of!(layout::CircleEyes, turn)),
+        ("wraps", offset_of!(layout::CircleEyes, wraps)),
+        ("_pad", offset_of!(layout::CircleEyes, _pad)),
+    ];
+    assert_struct(&around, "Eyes", &stated, size_of::<layout::Eyes>());
     assert_layout!(module, Band { size, row_begin, row_end, first_row, runs, buffer_depth, jitter_seed });
     assert_layout!(
         module,

@@ -35,7 +35,7 @@ use crate::{
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
     t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
-    view::rig::Projection,
+    view::rig::CameraModel,
 };
 
 pub(super) const ALL: [&Kernel; 70] = [
@@ -177,7 +177,7 @@ pub(super) fn variants() -> Vec<Variant> {
             (traversals[traversal], kinds[kind]);
         Variant {
             traversal,
-            projection: [Projection::Planar, Projection::Around][camera],
+            camera: [CameraModel::Planar, CameraModel::Around][camera],
             triangles,
             spheres,
             ellipsoids,

@@ -3,11 +3,11 @@
 use super::{Shadows, SkyKind, SoftRole, TexelPlaces, Variant, light_texels, material_texels};
 use crate::{
     ShadowReuse,
-    kernel::layout::{GROOVE, LARGE, STEEPEST},
+    kernel::layout::{GROOVE, LARGE, MOST_PARALLAX, STEEPEST},
     kernel::traversal::{Boxes, Fetch, RaysPerLane},
     kernel::wgsl::{self, Choice, Linked},
     kernel::{Canvas, Dispatches, Does, Kernel, Role, SampleUse, Visible},
-    view::rig::Projection,
+    view::rig::CameraModel,
 };
 
 impl Kernel {
@@ -97,10 +97,9 @@ impl Kernel {
             SampleUse::Written => "written",
             SampleUse::Read => "read",
         };
-        let camera = match with.projection {
-            Projection::Planar => "planar",
-            #[cfg(test)]
-            Projection::Around => "around",
+        let camera = match with.camera {
+            CameraModel::Planar => "planar",
+            CameraModel::Around => "around",
         };
         [
             ("camera", camera),
@@ -170,6 +169,7 @@ impl Kernel {
             flag("CLOSE", with.close),
             ("LARGE", "f32", format!("{LARGE:?}")),
             ("STEEPEST", "f32", format!("{STEEPEST:?}")),
+            ("MOST_PARALLAX", "f32", format!("{MOST_PARALLAX:?}")),
             ("GROOVE", "f32", format!("{GROOVE:?}")),
             flag("SHINE", shine),
             flag("FACETS", shine && with.paths),

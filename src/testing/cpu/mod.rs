@@ -36,7 +36,7 @@ pub enum Eye {
 }
 
 impl Frame {
-    /// Makes the frame of a camera.
+    /// Makes the frame of a planar camera.
     pub fn new(pose: &Pose) -> Self {
         Self::between(pose, -0.5, 0.5)
     }
@@ -44,7 +44,8 @@ impl Frame {
     /// Makes the frame of two eyes, given as offsets from the middle between a camera's eyes, in interaxials. `source`
     /// becomes `Eye::Left`, which is traced first, on whichever side it is.
     pub fn between(pose: &Pose, source: f32, target: f32) -> Self {
-        Self { raw: eyes_uniform(pose, source, target), size: pose.size, jitter: Jitter::new(1, 0) }
+        let frustum = pose.frustum().expect("the twins' cameras are planar");
+        Self { raw: eyes_uniform(pose, &frustum, source, target), size: pose.size, jitter: Jitter::new(1, 0) }
     }
 
     /// Returns the same frame where pixels are jittered samples, `side` a side of a pixel (docs/DESIGN.md, section 3).

@@ -1,6 +1,6 @@
 //! Viewing comfort of a stereo pair (thesis, section 2.3.2 and equation 12).
 
-use super::{HUMAN_INTERAXIAL, Pose};
+use super::{HUMAN_INTERAXIAL, Pose, Projection};
 
 impl Pose {
     /// Returns the viewing comfort of a pair on a display `display_width` metres wide. The pair's hits lie between
@@ -20,7 +20,11 @@ impl Pose {
             positive_parallax_percent: 100.0 * positive_px / width,
             negative_parallax_percent: 100.0 * negative_px / width,
             display_width,
-            parallel: self.screen_distance.is_infinite(),
+            shown: match self.projection {
+                Projection::Equirectangular(_) => Shown::Around,
+                _ if self.screen_distance.is_infinite() => Shown::Parallel,
+                _ => Shown::ThroughScreen,
+            },
         }
     }
 }
@@ -53,8 +57,17 @@ pub struct Comfort {
     pub vertical_parallax_px: f32,
     /// Width of the display in metres.
     pub display_width: f32,
-    /// Whether the screen is at infinity.
-    parallel: bool,
+    shown: Shown,
+}
+
+/// Where a display is relative to what it shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shown {
+    ThroughScreen,
+    /// The screen is at infinity.
+    Parallel,
+    /// The pictures surround the viewer, so rules for displays don't apply.
+    Around,
 }
 
 impl Comfort {
@@ -68,9 +81,13 @@ impl Comfort {
         self.nearest_ratio >= 0.5
     }
 
-    /// Returns a sentence for each violated rule; the list is empty for a comfortable pair.
+    /// Returns a sentence for each violated rule; the list is empty for a comfortable pair. The rules are for pictures
+    /// on a display, and not for equirectangular ones.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
+        if self.shown == Shown::Around {
+            return warnings;
+        }
         if !self.converges() {
             warnings.push(format!(
                 "the interaxial is {:.2}% of the width, over the {:.2}% at which eyes diverge on a display {:.2} m \
@@ -80,7 +97,7 @@ impl Comfort {
                 self.display_width
             ));
         }
-        if self.parallel {
+        if self.shown == Shown::Parallel {
             warnings.push(format!(
                 "the screen is at infinity, so everything appears in front of the display, by up to {:.1} px: choose a \
                  distance, or shift the pictures apart",

@@ -176,7 +176,11 @@ impl StereoCamera {
             Aperture::ScreenWidth(_) => *self,
             _ => self.screen_distance(f32::INFINITY),
         };
-        Ok(alone.interaxial(0.0).pose()?.focal_px()[0] / f64::from(self.width))
+        let Some([focal, _]) = alone.interaxial(0.0).pose()?.focal_px() else {
+            let reason = "it is for pictures on a screen, and not for equirectangular ones".into();
+            return Err(Error::Options { option: "display", reason });
+        };
+        Ok(focal / f64::from(self.width))
     }
 
     /// Returns a camera with the same field of view and another screen distance.
@@ -239,7 +243,7 @@ mod tests {
             assert_eq!(found.binding, rules, "{depths:?}");
             // The field of view is unchanged.
             let (before, after) = (camera().pose().unwrap(), found.camera.pose().unwrap());
-            assert!((after.focal_px()[0] / before.focal_px()[0] - 1.0).abs() < 1e-6);
+            assert!((after.focal_px().unwrap()[0] / before.focal_px().unwrap()[0] - 1.0).abs() < 1e-6);
             assert_eq!((after.interaxial, after.screen_distance), (found.interaxial, found.screen_distance));
         }
         let diagonal = Display::diagonal(55.0, [16.0, 9.0], 2.0);

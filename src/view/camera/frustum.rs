@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Intrinsics, Pose};
+use super::{Equirectangular, Intrinsics, Pose, circle::Circle};
+use crate::Error;
 
 /// The picture's rectangle on a plane in front of the eyes. This plane is the screen if the camera was specified by its
 /// screen; otherwise it is at depth 1. The values are f64, and are rounded once for kernels.
@@ -17,6 +18,23 @@ pub(crate) struct Frustum {
     /// Shift of the rectangle to the left, relative to an eye's own axis, for an eye one interaxial to the right. It
     /// equals the interaxial on the screen, which all eyes share, and is 0 for parallel cameras.
     pub(crate) shift: f64,
+}
+
+/// The directions that a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Field {
+    /// Rays through a rectangle.
+    Screen(Frustum),
+    /// Azimuths and elevations around a viewing circle.
+    Sphere(Sphere),
+}
+
+/// The directions that an equirectangular picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sphere {
+    pub(crate) projection: Equirectangular,
+    /// Ranges of azimuths and elevations in radians. Their middle lies straight ahead on the horizon.
+    pub(crate) angles: [f64; 2],
 }
 
 impl Frustum {
@@ -37,16 +55,71 @@ impl Frustum {
         [(x + offset * self.shift) / self.distance, y / self.distance]
     }
 
+    /// Returns the focal lengths along x and y in pixels, for a picture of the given size.
+    pub(crate) fn focal_px(&self, size: [u32; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| self.distance * f64::from(size[axis]) / self.size[axis])
+    }
+
+    /// Returns the direction from an eye of a pose through the picture's top left corner, with length 1 along the view
+    /// axis. The eye is `offset` interaxials to the right of the midpoint and is not toed in.
+    pub(crate) fn corner(&self, pose: &Pose, offset: f64) -> DVec3 {
+        pose.in_world(DVec3::new(self.left(offset) / self.distance, self.top() / self.distance, 1.0))
+    }
+
+    /// Returns how the direction through a pixel of a pose changes from one pixel to the next: to the right, and
+    /// downwards.
+    pub(crate) fn pixel_steps(&self, pose: &Pose) -> [DVec3; 2] {
+        let [x, y] = self.steps(pose.size);
+        [pose.right.as_dvec3() * x, pose.up.as_dvec3() * -y]
+    }
+
     /// Returns the width and height of a pixel, as tangents, for a picture of the given size.
     pub(crate) fn steps(&self, size: [u32; 2]) -> [f64; 2] {
         [0, 1].map(|axis| self.size[axis] / f64::from(size[axis]) / self.distance)
     }
 }
 
-/// Parallax as a function of depth: `scale_px (at_infinity - distance / Z)` pixels. It is `e_px (1 - d/Z)` through one
+/// Parallax as a function of depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Parallax {
+    Planar(PlanarParallax),
+    /// `-2 atan(radius / s)` radians on the horizon of a viewing circle.
+    Circle {
+        px_per_radian: f32,
+        radius: f32,
+    },
+}
+
+impl Parallax {
+    /// Returns the parallax in pixels at depth `z`.
+    pub(crate) fn px(self, z: f32) -> f32 {
+        match self {
+            Self::Planar(parallax) => parallax.px(z),
+            Self::Circle { px_per_radian, radius } => -2.0 * px_per_radian * (radius / z).atan(),
+        }
+    }
+
+    /// Returns the parallax for an interaxial `apart` times as large. A negative factor means an eye to the left.
+    pub(crate) fn times(self, apart: f32) -> Self {
+        match self {
+            Self::Planar(parallax) => Self::Planar(parallax.times(apart)),
+            Self::Circle { px_per_radian, radius } => Self::Circle { px_per_radian, radius: apart * radius },
+        }
+    }
+
+    /// Returns how much the parallax grows from depth `near` to depth `far`, in pixels.
+    pub(crate) fn between(self, near: f32, far: f32) -> f64 {
+        match self {
+            Self::Planar(parallax) => parallax.reach() * (1.0 / f64::from(near) - 1.0 / f64::from(far)),
+            Self::Circle { .. } => f64::from(self.px(far)) - f64::from(self.px(near)),
+        }
+    }
+}
+
+/// Parallax of planar pictures: `scale_px (at_infinity - distance / Z)` pixels. It is `e_px (1 - d/Z)` through one
 /// screen, and `f_px (0 - e/Z)` between parallel cameras.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Parallax {
+pub(crate) struct PlanarParallax {
     pub(crate) scale_px: f32,
     /// Factor of the parallax at infinity: 1, or 0 for parallel cameras.
     pub(crate) at_infinity: f32,
@@ -54,7 +127,7 @@ pub(crate) struct Parallax {
     pub(crate) distance: f32,
 }
 
-impl Parallax {
+impl PlanarParallax {
     /// Returns the parallax in pixels at depth `z`.
     pub(crate) fn px(self, z: f32) -> f32 {
         self.scale_px * (self.at_infinity - self.distance / z)
@@ -74,10 +147,22 @@ impl Parallax {
 impl Pose {
     /// Returns the parallax between the two eyes.
     pub(crate) fn parallax(&self) -> Parallax {
-        if self.screen_distance.is_finite() {
-            return Parallax { scale_px: self.interaxial_px, at_infinity: 1.0, distance: self.screen_distance };
+        match self.field {
+            Field::Screen(frustum) => Parallax::Planar(self.planar_parallax(&frustum)),
+            Field::Sphere(sphere) => Parallax::Circle {
+                px_per_radian: (f64::from(self.size[0]) / sphere.angles[0]) as f32,
+                radius: 0.5 * self.interaxial,
+            },
         }
-        Parallax { scale_px: self.focal_px()[0] as f32, at_infinity: 0.0, distance: self.interaxial }
+    }
+
+    /// Returns the parallax between the two eyes of a planar pose.
+    pub(crate) fn planar_parallax(&self, frustum: &Frustum) -> PlanarParallax {
+        if self.screen_distance.is_finite() {
+            return PlanarParallax { scale_px: self.interaxial_px, at_infinity: 1.0, distance: self.screen_distance };
+        }
+        let [fx, _] = frustum.focal_px(self.size);
+        PlanarParallax { scale_px: fx as f32, at_infinity: 0.0, distance: self.interaxial }
     }
 
     /// Returns a typical parallax in pixels, for rules of thumb. It is `e_px`, or the disparity at the subject's
@@ -91,7 +176,8 @@ impl Pose {
     /// at infinity, negative nearer.
     ///
     /// For toed-in eyes it is the parallax of points on the axis between the eyes, at depth `z` along that axis:
-    /// `e_px (1 - d/Z) / (1 + e²/(4 d Z))`. Elsewhere use [`Pose::project`].
+    /// `e_px (1 - d/Z) / (1 + e²/(4 d Z))`. Elsewhere use [`Pose::project`]. For equirectangular pairs it is
+    /// `-2 atan(e / (2 s)) w / a` on the horizon, with horizontal distances `s = z` and `w` columns for `a` radians.
     pub fn parallax_px(&self, z: f32) -> f32 {
         self.parallax().px(z) / self.toe_in_divisor(z.into()) as f32
     }
@@ -141,52 +227,68 @@ impl Pose {
 
     /// Projects a point in world coordinates into an eye's picture (-1 left, +1 right, 0 the midpoint). Returns
     /// `[x, y, Z]`. x and y are pixels from the top left corner, with pixel centres at halves. `Z` is the depth along
-    /// the eye's view direction.
+    /// the eye's view direction. In equirectangular pictures it is the horizontal distance along the eye's ray, and NaN
+    /// for points within the viewing circle.
     pub fn project(&self, point: impl Into<DVec3>, side: f32) -> [f32; 3] {
-        self.project_from_eye(point.into() - self.eye_position(side), side).map(|value| value as f32)
+        let point = point.into();
+        let found = match self.field {
+            Field::Screen(frustum) => self.project_from_eye(&frustum, point - self.eye_position(side), side),
+            Field::Sphere(sphere) => {
+                let from_centre = self.in_axes(point - self.eye_position(0.0));
+                Circle::of(self, &sphere).project(from_centre, side.into())
+            }
+        };
+        found.map(|value| value as f32)
     }
 
-    /// Projects a vector that begins at an eye into that eye's picture, like [`Pose::project`].
-    pub(super) fn project_from_eye(&self, to: DVec3, side: f32) -> [f64; 3] {
+    /// Projects a vector that begins at an eye into that eye's planar picture, like [`Pose::project`].
+    pub(super) fn project_from_eye(&self, frustum: &Frustum, to: DVec3, side: f32) -> [f64; 3] {
         let (forward, right) = self.axes(side);
-        let Frustum { distance, size: [width, height], .. } = self.frustum;
+        let Frustum { distance, size: [width, height], .. } = *frustum;
         let z = to.dot(forward);
-        let across = to.dot(right) * distance / z - self.frustum.left(0.5 * f64::from(side));
-        let down = self.frustum.top() - to.dot(self.up.as_dvec3()) * distance / z;
+        let across = to.dot(right) * distance / z - frustum.left(0.5 * f64::from(side));
+        let down = frustum.top() - to.dot(self.up.as_dvec3()) * distance / z;
         [across / width * f64::from(self.size[0]), down / height * f64::from(self.size[1]), z]
     }
 
-    /// Returns the direction from an eye through the picture's top left corner, with length 1 along the view axis. The
-    /// eye is `offset` interaxials to the right of the midpoint and is not toed in.
-    pub(crate) fn corner(&self, offset: f64) -> DVec3 {
-        let [forward, right, up] = [self.forward, self.right, self.up].map(Vec3::as_dvec3);
-        let distance = self.frustum.distance;
-        forward + right * (self.frustum.left(offset) / distance) + up * (self.frustum.top() / distance)
+    /// Returns the camera's intrinsics, for a picture of this size with pixel centres at halves. Equirectangular
+    /// pictures have none.
+    pub fn intrinsics(&self) -> Option<Intrinsics> {
+        let [[cx0, cy], [cx1, _]] = [self.principal_px(-1.0)?, self.principal_px(1.0)?];
+        Some(Intrinsics { cx1, ..Intrinsics::new(self.focal_px()?, [cx0, cy]) })
     }
 
-    /// Returns how the direction through a pixel changes from one pixel to the next: to the right, and downwards.
-    pub(crate) fn pixel_steps(&self) -> [DVec3; 2] {
-        let [x, y] = self.frustum.steps(self.size);
-        [self.right.as_dvec3() * x, self.up.as_dvec3() * -y]
+    /// Returns the intrinsics, or an error for pictures that have none.
+    pub(crate) fn planar_intrinsics(&self) -> Result<Intrinsics, Error> {
+        self.intrinsics().ok_or_else(|| Error::Camera {
+            field: "projection",
+            value: "equirectangular".into(),
+            reason: "such pictures have no intrinsics; use planar ones",
+        })
     }
 
-    /// Returns the camera's intrinsics, for a picture of this size with pixel centres at halves.
-    pub fn intrinsics(&self) -> Intrinsics {
-        let [[cx0, cy], [cx1, _]] = [-1.0, 1.0].map(|side| self.principal_px(side));
-        Intrinsics { cx1, ..Intrinsics::new(self.focal_px(), [cx0, cy]) }
-    }
-
-    /// Returns the focal lengths along x and y in pixels: `d w / W` through a screen.
-    pub fn focal_px(&self) -> [f64; 2] {
-        [0, 1].map(|axis| self.frustum.distance * f64::from(self.size[axis]) / self.frustum.size[axis])
+    /// Returns the focal lengths along x and y in pixels: `d w / W` through a screen. Equirectangular pictures have
+    /// none.
+    pub fn focal_px(&self) -> Option<[f64; 2]> {
+        self.frustum().map(|frustum| frustum.focal_px(self.size))
     }
 
     /// Returns the principal point of an eye (-1 left, +1 right, 0 the midpoint), where its axis meets the picture. It
     /// is in pixels from the top left corner, with pixel centres at halves, and may lie outside the picture.
-    pub fn principal_px(&self, side: f32) -> [f64; 2] {
-        let Frustum { size: [width, height], .. } = self.frustum;
+    /// Equirectangular pictures have none.
+    pub fn principal_px(&self, side: f32) -> Option<[f64; 2]> {
+        let frustum = self.frustum()?;
+        let [width, height] = frustum.size;
         let [w, h] = self.size.map(f64::from);
-        [-self.frustum.left(0.5 * f64::from(side)) / width * w, self.frustum.top() / height * h]
+        Some([-frustum.left(0.5 * f64::from(side)) / width * w, frustum.top() / height * h])
+    }
+
+    /// Returns the rectangle of a planar pose.
+    pub(crate) fn frustum(&self) -> Option<Frustum> {
+        match self.field {
+            Field::Screen(frustum) => Some(frustum),
+            Field::Sphere(_) => None,
+        }
     }
 
     /// Returns the depths of the nearest and the farthest corner of a box along the view direction. The box is given by
@@ -202,7 +304,10 @@ impl Pose {
         Self {
             interaxial: times * self.interaxial,
             interaxial_px: times * self.interaxial_px,
-            frustum: Frustum { shift: f64::from(times) * self.frustum.shift, ..self.frustum },
+            field: match self.field {
+                Field::Screen(frustum) => Field::Screen(Frustum { shift: f64::from(times) * frustum.shift, ..frustum }),
+                sphere @ Field::Sphere(_) => sphere,
+            },
             ..self
         }
     }

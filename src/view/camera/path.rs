@@ -4,7 +4,7 @@ use std::mem::discriminant;
 
 use glam::{DQuat, DVec3};
 
-use super::{Aperture, Interaxial, Screen, StereoCamera};
+use super::{Aperture, Interaxial, Projection, Screen, StereoCamera};
 use crate::Error;
 
 impl StereoCamera {
@@ -42,7 +42,7 @@ impl CameraPath {
     /// - no cameras, or an invalid camera,
     /// - frames below 0 or not in ascending order,
     /// - cameras given in different ways: field of view, screen width or intrinsics; interaxial in world units or
-    ///   pixels; convergence; picture size,
+    ///   pixels; projection; picture size,
     /// - cameras with different intrinsics.
     pub fn new(keys: Vec<(f32, StereoCamera)>) -> Result<Self, Error> {
         let fault = |value: String, reason| Err(Error::Camera { field: "frame", value, reason });
@@ -54,7 +54,7 @@ impl CameraPath {
                 return fault(frame.to_string(), "frames of a path must ascend from 0 or more to at most 2^24");
             }
             if last.is_some_and(|(_, before)| !alike(before, camera)) {
-                let reason = "the cameras of a path must have the same picture size and convergence, and give field of \
+                let reason = "the cameras of a path must have the same picture size and projection, and give field of \
                               view and interaxial by the same options";
                 return fault(frame.to_string(), reason);
             }
@@ -64,6 +64,12 @@ impl CameraPath {
             return fault("none".into(), "a path must have at least one camera");
         }
         Ok(Self { keys })
+    }
+
+    /// Sets the projection of all cameras, as [`StereoCamera::projection`] does.
+    pub fn projection(mut self, projection: Projection) -> Self {
+        self.keys.iter_mut().for_each(|(_, camera)| *camera = camera.projection(projection));
+        self
     }
 
     /// Returns the number of frames from 0 to the last key frame.
@@ -140,7 +146,7 @@ fn alike(a: &StereoCamera, b: &StereoCamera) -> bool {
         (a, b) => discriminant(&a) == discriminant(&b),
     };
     let rest =
-        |camera: &StereoCamera| (discriminant(&camera.interaxial), camera.convergence, camera.width, camera.height);
+        |camera: &StereoCamera| (discriminant(&camera.interaxial), camera.projection, camera.width, camera.height);
     apertures && screens && rest(a) == rest(b)
 }
 

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::{Aperture, Lenses, Pose, StereoCamera};
+use super::{Aperture, Field, Lenses, Pose, StereoCamera};
 use crate::Error;
 
 /// Longest side of a picture in pixels. In larger pictures f32 can't distinguish the pixels' directions at any field of
@@ -128,7 +128,12 @@ pub(super) fn check_eyes(camera: &StereoCamera, pose: &Pose) -> Result<(), Error
 /// Returns the least angle in radians that a corner pixel spans, for eyes up to `offset` interaxials to either side of
 /// the midpoint.
 pub(crate) fn least_pixel_angle(pose: &Pose, offset: f64) -> f64 {
-    let [x, y] = pose.frustum.aside(offset);
-    let [across, down] = pose.frustum.steps(pose.size);
-    across.min(down) / (1.0 + x * x + y * y)
+    match pose.field {
+        Field::Screen(frustum) => {
+            let [x, y] = frustum.aside(offset);
+            let [across, down] = frustum.steps(pose.size);
+            across.min(down) / (1.0 + x * x + y * y)
+        }
+        Field::Sphere(_) => pose.circle().map_or(0.0, |circle| circle.steps[0].min(circle.steps[1])),
+    }
 }

@@ -2,15 +2,15 @@
 
 use glam::DVec3;
 
-use super::{Convergence, Frustum, Pose};
+use super::{Field, Frustum, Pose, Projection};
 
 impl Pose {
     /// Returns the angle in radians by which an eye (-1 left, +1 right) is turned to the right. It is 0 unless the eyes
     /// are toed in.
     pub(super) fn turn(&self, side: f32) -> f64 {
-        match self.convergence {
-            Convergence::OffAxis => 0.0,
-            Convergence::ToeIn => -(0.5 * f64::from(side * self.interaxial) / f64::from(self.screen_distance)).atan(),
+        match self.projection {
+            Projection::OffAxis | Projection::Equirectangular(_) => 0.0,
+            Projection::ToeIn => -(0.5 * f64::from(side * self.interaxial) / f64::from(self.screen_distance)).atan(),
         }
     }
 
@@ -24,31 +24,30 @@ impl Pose {
     /// Returns `1 + e²/(4 d Z)`, the divisor of a screen's parallax for toed-in eyes, or 1 for other eyes. It follows
     /// from `2 f tan(atan(e / 2d) - atan(e / 2Z))`, the parallax of points on the axis between the eyes.
     pub(crate) fn toe_in_divisor(&self, z: f64) -> f64 {
-        match self.convergence {
-            Convergence::OffAxis => 1.0,
-            Convergence::ToeIn => {
+        match self.projection {
+            Projection::OffAxis | Projection::Equirectangular(_) => 1.0,
+            Projection::ToeIn => {
                 let half = 0.5 * f64::from(self.interaxial);
                 1.0 + half / f64::from(self.screen_distance) * (half / z)
             }
         }
     }
 
-    /// Returns the camera of one eye alone (-1 left, +1 right), with its own position, axes and principal point.
+    /// Returns the camera of one eye alone (-1 left, +1 right), with its own position, axes and principal point. An eye
+    /// of an equirectangular pair has no single position; its pose is returned as it is.
     pub fn of_eye(&self, side: f32) -> Self {
+        let Field::Screen(frustum) = self.field else { return *self };
         let (forward, right) = self.axes(side);
-        let [x, y] = self.frustum.center;
+        let [x, y] = frustum.center;
+        let center = [x - 0.5 * f64::from(side) * frustum.shift, y];
         Self {
             eye: self.eye_position(side),
             forward: forward.as_vec3(),
             right: right.as_vec3(),
             interaxial: 0.0,
             interaxial_px: 0.0,
-            convergence: Convergence::OffAxis,
-            frustum: Frustum {
-                center: [x - 0.5 * f64::from(side) * self.frustum.shift, y],
-                shift: 0.0,
-                ..self.frustum
-            },
+            projection: Projection::OffAxis,
+            field: Field::Screen(Frustum { center, shift: 0.0, ..frustum }),
             ..*self
         }
     }
@@ -56,21 +55,20 @@ impl Pose {
     /// Returns the largest vertical parallax in pixels, over points in the corners of either picture at depths
     /// `nearest` and `farthest`. It is 0 unless the eyes are toed in.
     pub(super) fn vertical_parallax_px(&self, nearest: f32, farthest: f32) -> f32 {
-        if self.convergence == Convergence::OffAxis {
-            return 0.0;
-        }
+        let (Projection::ToeIn, Field::Screen(frustum)) = (self.projection, self.field) else { return 0.0 };
         let [w, h] = self.size.map(f64::from);
         let mut most = 0.0_f64;
         for side in [-1.0, 1.0] {
             let own = self.of_eye(side);
-            let (corner, [across, down]) = (own.corner(0.0), own.pixel_steps());
+            let Some(rectangle) = own.frustum() else { continue };
+            let (corner, [across, down]) = (rectangle.corner(&own, 0.0), rectangle.pixel_steps(&own));
             let apart = self.eye_position(side) - self.eye_position(-side);
             for (x, y) in [(0.0, 0.0), (w, 0.0), (0.0, h), (w, h)] {
                 let direction = corner + across * x + down * y;
                 for z in [nearest, farthest] {
                     // At infinite z the offset between the eyes vanishes.
                     let to = direction + apart / f64::from(z);
-                    let [_, row, depth] = self.project_from_eye(to, -side);
+                    let [_, row, depth] = self.project_from_eye(&frustum, to, -side);
                     // Points beside or behind the other eye are not in its picture.
                     if depth > 0.0 {
                         most = most.max((row - y).abs());
