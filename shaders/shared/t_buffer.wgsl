@@ -9,8 +9,8 @@
 //
 // The canvas is a picture or a light's shadow-buffer (shadow_canvas.wgsl).
 
-//! use around, camera, counters, cutouts, ellipsoid, fetch, frame, lane, pixels, primitive, primitives, projection, rays
-//! use tiles
+//! use around, camera, counters, cutouts, ellipsoid, fetch, frame, lane, pixels, primitive, primitives, projection
+//! use rays, tiles
 
 // Lists of the primitives that may cover a pixel's centre, and the number of the pass.
 struct Drawing {

@@ -53,8 +53,8 @@ impl Batch {
         self.add(path, &with_segment(&jpeg, APP1, &[XMP, packet(&properties(pose)?).as_bytes()].concat()))
     }
 
-    /// Adds an equirectangular pair as a VR photo, `NAME.vr.jpg`: a JPEG file of the left view, whose extended XMP holds
-    /// a JPEG file of the right view (`GImage:Data`).
+    /// Adds an equirectangular pair as a VR photo, `NAME.vr.jpg`: a JPEG file of the left view, whose extended XMP
+    /// holds a JPEG file of the right view (`GImage:Data`).
     ///
     /// # Errors
     /// As [`Batch::add_panorama_jpeg`], and [`Error::Io`] for a right view of 4 GiB.
@@ -133,8 +133,10 @@ fn packet(attributes: &str) -> String {
     format!("{begin}{}<?xpacket end=\"r\"?>", description(attributes))
 }
 
-#[cfg(all(test, feature = "jpeg", feature = "png"))]
+#[cfg(test)]
 mod tests {
+    #![cfg(all(feature = "jpeg", feature = "png"))]
+
     use base64::{Engine, engine::general_purpose::STANDARD};
 
     use super::*;

@@ -23,9 +23,9 @@ const GLANCE: Duration = Duration::from_millis(250);
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// File or folder to write. A .png or .jpg file holds the anaglyph or the --packing; a .jps, .mpo or .exr file holds
-    /// both views, and so does a .vr.jpg file with --projection 360 or 180. A folder gets the left view, right view,
-    /// anaglyph and all other requested files
+    /// File or folder to write. A .png or .jpg file holds the anaglyph or the --packing; a .jps, .mpo or .exr file
+    /// holds both views, and so does a .vr.jpg file with --projection 360 or 180. A folder gets the left view, right
+    /// view, anaglyph and all other requested files
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
     out: PathBuf,
     /// Also render by naive, and report the right eye's errors relative to naive
