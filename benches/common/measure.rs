@@ -6,6 +6,7 @@ use std::{error::Error, time::Instant};
 use stereotrace::{
     Method, Options, Renderer, Statistics, StereoCamera, UploadedScene,
     blocking::Wait,
+    camera::HUMAN_INTERAXIAL,
     metrics::{self, Difference},
 };
 
@@ -23,6 +24,8 @@ const IDEAL: usize = 1;
 pub struct Plan {
     pub size: [u32; 2],
     pub e_px: f32,
+    /// Whether pairs are equirectangular, with an interaxial in world units instead.
+    pub around: bool,
     /// Number of lights to place. With `None`, built-in scenes keep their own lights.
     pub lights: Option<usize>,
     /// Compared methods. Naive is the first and ideal the second, since the others are compared with them.
@@ -83,6 +86,13 @@ impl MethodFigures {
     /// section 7).
     pub fn speed_up_predicted(&self) -> f64 {
         2.0 / (1.0 + self.second_eye_counters()) - 1.0
+    }
+}
+
+impl Plan {
+    /// Returns the eyes' distance as text.
+    pub fn eyes(&self) -> String {
+        if self.around { format!("all around, e = {HUMAN_INTERAXIAL}") } else { format!("e = {} px", self.e_px) }
     }
 }
 

@@ -35,7 +35,7 @@ pub(crate) fn svg(measured: &[Measured], plan: &Plan, provenance: &Provenance) -
         (Panel { rows: 512..952, x: COST, y: "wrong surface, % of pixels" }, |d| d.wrong_surface_percent),
     ];
     let [width, height] = plan.size;
-    let title = format!("Accuracy against cost: {width}x{height}, e = {} px", plan.e_px);
+    let title = format!("Accuracy against cost: {width}x{height}, {}", plan.eyes());
     let of_scenes = measured.iter().take(1).flat_map(|scene| &scene.methods);
     let names: Vec<String> = of_scenes.map(|figures| figures.method.to_string()).collect();
     let looks: Vec<usize> = names.iter().map(|name| looks::of_method(name)).collect();

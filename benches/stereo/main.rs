@@ -37,7 +37,8 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     let mut measured: Vec<Measured> = Vec::new();
     for name in options.scenes() {
         match scenes::load(&name, plan.size, plan.e_px, plan.lights)? {
-            Some(scene) => {
+            Some(mut scene) => {
+                scene.camera = options.projected(scene.camera);
                 let figures = measure::measure(&mut renderer, &scene, &plan)?;
                 println!("{}", tables::of(&figures, &plan, &provenance));
                 measured.push(figures);

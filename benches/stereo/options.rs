@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Parser;
-use stereotrace::Method;
+use stereotrace::{Equirectangular, Method, Projection, Span, StereoCamera, camera::HUMAN_INTERAXIAL};
 
 use crate::common::{measure::Plan, options::size};
 
@@ -23,6 +23,10 @@ pub(crate) struct Options {
     /// Interaxial in pixels [default: 15 of 600]
     #[arg(long, value_name = "PX")]
     e: Option<f32>,
+    /// Equirectangular pairs of 360 degrees, seen from the camera's midpoint, with an interaxial of 0.065 world units.
+    /// The default size is 2048x1024
+    #[arg(long, conflicts_with = "e")]
+    around: bool,
     /// Place this many lights by the library's rule [default: built-in scenes keep their own five, files get five]
     #[arg(long, value_name = "N")]
     lights: Option<usize>,
@@ -47,7 +51,11 @@ pub(crate) struct Options {
 impl Options {
     pub(crate) fn plan(&self) -> Plan {
         let quick = self.quick();
-        let size = self.size.unwrap_or(if quick { [128, 128] } else { [600, 600] });
+        let size = self.size.unwrap_or(match (quick, self.around) {
+            (true, _) => [128, 128],
+            (false, true) => [2048, 1024],
+            (false, false) => [600, 600],
+        });
         let mut methods = vec![Method::Naive, Method::Ideal];
         let all = [Method::ATOMIC, Method::ES_ISLER, Method::BRACKET, Method::VERIFIED];
         for &method in if self.methods.is_empty() { &all[..] } else { &self.methods } {
@@ -57,12 +65,19 @@ impl Options {
         }
         Plan {
             size,
+            around: self.around,
             e_px: self.e.unwrap_or(15.0 * size[0] as f32 / 600.0),
             lights: self.lights,
             methods,
             warm_ups: if quick { 1 } else { 2 },
             rounds: self.rounds.map_or(if quick { 2 } else { 7 }, |rounds| rounds as usize),
         }
+    }
+
+    /// Returns a scene's camera with the projection of the options.
+    pub(crate) fn projected(&self, camera: StereoCamera) -> StereoCamera {
+        let projection = Projection::Equirectangular(Equirectangular::new(Span::Full));
+        if self.around { camera.projection(projection).interaxial(HUMAN_INTERAXIAL) } else { camera }
     }
 
     pub(crate) fn scenes(&self) -> Vec<String> {

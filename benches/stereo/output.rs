@@ -46,7 +46,7 @@ fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &P
         ("method", json!(figures.method.to_string())),
         ("width", json!(plan.size[0])),
         ("height", json!(plan.size[1])),
-        ("e_px", json!(plan.e_px)),
+        ("e_px", json!((!plan.around).then_some(plan.e_px))),
         ("lights", json!(scene.lights)),
         ("triangles", json!(scene.triangles)),
         ("spheres", json!(scene.spheres)),

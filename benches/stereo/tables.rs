@@ -15,10 +15,10 @@ pub(crate) fn of(measured: &Measured, plan: &Plan, provenance: &Provenance) -> S
     let _ = writeln!(text, "{provenance}");
     let _ = writeln!(
         text,
-        "{width}x{height}, {} triangles, {} spheres, e = {} px, {} lights, {} rounds after {} to warm up\n",
+        "{width}x{height}, {} triangles, {} spheres, {}, {} lights, {} rounds after {} to warm up\n",
         grouped(measured.triangles as u64),
         grouped(measured.spheres as u64),
-        plan.e_px,
+        plan.eyes(),
         measured.lights,
         plan.rounds,
         plan.warm_ups,

@@ -8,7 +8,7 @@
 // writes  lists     [tiles of the current rows, TILE_WORDS] after the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the current rows
 
-//! use counters, frame, lists, pixels, planes, primitive, projection, search, tiles, wanted
+//! use around, counters, frame, lists, pixels, planes, primitive, projection, search, tiles, wanted
 
 var<storage, read> bounds: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;

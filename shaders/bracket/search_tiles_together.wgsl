@@ -7,7 +7,8 @@
 // writes  lists     [tiles of the current rows, TILE_WORDS] after the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the current rows
 
-//! use boxes, camera, counters, fetch, frame, lists, pixels, planes, primitive, projection, search, tiles, wanted
+//! use around, boxes, camera, counters, fetch, frame, lists, pixels, planes, primitive, projection, search, tiles
+//! use wanted
 
 var<storage, read> bounds: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;

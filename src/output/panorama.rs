@@ -133,10 +133,9 @@ fn packet(attributes: &str) -> String {
     format!("{begin}{}<?xpacket end=\"r\"?>", description(attributes))
 }
 
+#[cfg(all(feature = "jpeg", feature = "png"))]
 #[cfg(test)]
 mod tests {
-    #![cfg(all(feature = "jpeg", feature = "png"))]
-
     use base64::{Engine, engine::general_purpose::STANDARD};
 
     use super::*;

@@ -1,8 +1,9 @@
 //! Equirectangular pairs: the second eye is exact whatever the rows, the seam and the poles show.
 
 use stereotrace::{
-    Builtin, Equirectangular, Error, Material, Mesh, Method, Occlusion, Options, Plane, PoleMerge, Projection, Rig,
-    Scene, Span, StereoCamera, StereoPair, UploadedScene, Visibility,
+    Adaptive, AmbientOcclusion, Builtin, Equirectangular, Error, Lighting, Material, Mesh, Method, Occlusion, Options,
+    Plane, PoleMerge, Projection, Rig, Rows, Scene, ShadowBuffer, Span, StereoCamera, StereoPair, UploadedScene,
+    Visibility,
     blocking::Wait,
     glam::{DVec3, Vec3},
     metrics::compare,
@@ -53,13 +54,14 @@ fn built_in_scenes_from_within() {
     for builtin in cases([Builtin::Hall, Builtin::Spheres, Builtin::HallFinished], 3) {
         let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
         let inside = builtin.camera(160, 80).interaxial(0.3);
-        for (projection, camera) in [
-            (FULL, inside),
+        let kinds = [
             (merged(Span::Full), inside.up(Vec3::new(0.3, 1.0, -0.2))),
-            (merged(Span::Half), inside.size(80, 80)),
             (FULL, inside.size(203, 61).interaxial(1e-3)),
+            (merged(Span::Half), inside.size(80, 80)),
+            (FULL, inside),
             (merged(Span::Full), inside.interaxial(3.0)),
-        ] {
+        ];
+        for (projection, camera) in cases(kinds, 2) {
             let what = format!("{builtin:?} {projection:?}");
             let [traced, cost] = check(&mut renderer, &uploaded, &around(camera, projection), &what);
             println!("{what}: {traced:.3} of the pixels traced, cost {cost:.3}");
@@ -71,7 +73,7 @@ fn built_in_scenes_from_within() {
 #[test]
 fn the_stability_suite_from_within() {
     let mut renderer = renderer();
-    for &trial in cases(Trial::ALL, 4) {
+    for &trial in cases(Trial::ALL, 6) {
         let uploaded = renderer.upload(&trial.scene()).wait().unwrap();
         let camera = trial.camera(160, 80);
         let camera = camera.interaxial(camera.pose().unwrap().interaxial);
@@ -81,6 +83,56 @@ fn the_stability_suite_from_within() {
             println!("{what}: {traced:.3} of the pixels traced, cost {cost:.3}");
         }
     }
+}
+
+#[test]
+fn bracket_rays_are_naive_by_every_kind_of_frame() {
+    let mut renderer = renderer();
+    let exact = is_exact(&renderer);
+    let plain = Options::default().linear(true);
+    let paths = Lighting::Paths { bounces: 2, samples: 2 };
+    let frames = [
+        (Builtin::HallFinished, "mirrors and glass", plain.clone()),
+        (Builtin::ThreeSpheresTextured, "samples", plain.clone().samples(4)),
+        (Builtin::ThreeSpheresTextured, "samples in a grid", plain.clone().samples(9).jitter(false)),
+        (Builtin::Random20, "adaptive samples", plain.clone().adaptive(Adaptive::new(3, 8.0))),
+        (Builtin::Random20, "soft light", plain.clone().ambient_occlusion(AmbientOcclusion::new(4, 1.0))),
+        (Builtin::ThreeSpheresTextured, "sky light", plain.clone().sky_rays(4)),
+        (Builtin::Random20, "shadow-buffers", plain.clone().shadow_buffer(ShadowBuffer::new(128))),
+        (Builtin::ThreeSpheresMirrors, "paths", plain.clone().lighting(paths)),
+    ];
+    for (builtin, what, options) in frames {
+        let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
+        let inside = builtin.camera(120, 60);
+        let camera = around(inside.interaxial(inside.pose().unwrap().interaxial), merged(Span::Full));
+        let [naive, bracket] = [Method::Naive, Method::BRACKET_RAYS].map(|method| {
+            let options = options.clone().method(method);
+            renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap()
+        });
+        assert_eq!(bracket.statistics.method, Method::BRACKET_RAYS);
+        // Light of paths is taken over.
+        let same_light = options.lighting != Lighting::Direct || bracket.right.linear == naive.right.linear;
+        let same = bracket.left == naive.left && same_light && bracket.right.object == naive.right.object;
+        assert!(same || !exact, "{builtin}, {what}");
+        assert_ne!(naive.left.rgba8, naive.right.rgba8, "{builtin}, {what}");
+    }
+}
+
+/// Bands of rows, views that stay on the device, and rows as they are made: the same pictures.
+#[test]
+fn bands_and_rows_are_the_whole_picture() {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&Builtin::Spheres.scene()).wait().unwrap();
+    // Four bands on software adapters.
+    let camera = around(Builtin::Spheres.camera(1024, 640).interaxial(0.2), merged(Span::Full));
+    let pair = rendered(&mut renderer, &uploaded, &camera, Method::BRACKET);
+    let mut rows = Vec::new();
+    let mut keep = |part: Rows| {
+        rows.extend(part.views[1].view.rgba8.iter().copied());
+        Ok(())
+    };
+    renderer.pair(&uploaded, &camera).options(&Options::new(Method::BRACKET)).rows(&mut keep).wait().unwrap();
+    assert!(rows == pair.right.rgba8);
 }
 
 /// A room with a ball, and the eye close to a wall.

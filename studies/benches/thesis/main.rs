@@ -154,6 +154,7 @@ fn measure_steps(
         );
         let plan = Plan {
             size: [step.width; 2],
+            around: false,
             e_px: step.e_px,
             lights: step.lights,
             methods: step.methods.clone(),
