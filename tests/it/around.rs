@@ -101,9 +101,9 @@ fn bracket_rays_are_naive_by_every_kind_of_frame() {
         (Builtin::Random20, "shadow-buffers", plain.clone().shadow_buffer(ShadowBuffer::new(128))),
         (Builtin::ThreeSpheresMirrors, "paths", plain.clone().lighting(paths)),
     ];
-    for (builtin, what, options) in frames {
+    for (builtin, what, options) in cases(frames, 2) {
         let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
-        let inside = builtin.camera(120, 60);
+        let inside = builtin.camera(80, 40);
         let camera = around(inside.interaxial(inside.pose().unwrap().interaxial), merged(Span::Full));
         let [naive, bracket] = [Method::Naive, Method::BRACKET_RAYS].map(|method| {
             let options = options.clone().method(method);

@@ -5,7 +5,7 @@ use std::{error::Error, fmt::Write};
 use clap::Args;
 use serde_json::{Value, json};
 use stereotrace::{
-    Builtin,
+    Builtin, Projection,
     glam::DVec3,
     message::{counted, escaped},
     wgpu,
@@ -104,20 +104,20 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
     let [width, height] = pose.size;
     let (near, far) = depths(&mut stage.renderer, &stage.uploaded, &stage.camera)?;
     let (e, px, d) = (pose.interaxial, pose.interaxial_px, pose.screen_distance);
-    writeln!(
-        text,
-        "camera     {width}x{height}, e = {e:.4} ({px:.2} px), d = {d:.4}; at {} along {}",
-        pose.eye, pose.forward
-    )?;
+    let is_around = matches!(pose.projection, Projection::Equirectangular(_));
+    let screen = if is_around { ", equirectangular".into() } else { format!(" ({px:.2} px), d = {d:.4}") };
+    writeln!(text, "camera     {width}x{height}, e = {e:.4}{screen}; at {} along {}", pose.eye, pose.forward)?;
     let reach = if far == f32::INFINITY { "the sky".into() } else { format!("{far:.4}") };
     writeln!(text, "           visible depths from {near:.4} to {reach}")?;
     let comfort = pose.comfort(near, far, arguments.display_width);
     let (near_percent, far_percent) = (comfort.negative_parallax_percent, comfort.positive_parallax_percent);
-    writeln!(
-        text,
-        "comfort    parallax {near_percent:.2}% to {far_percent:.2}% of the width, on a display {} m wide",
-        arguments.display_width
-    )?;
+    if !is_around {
+        writeln!(
+            text,
+            "comfort    parallax {near_percent:.2}% to {far_percent:.2}% of the width, on a display {} m wide",
+            arguments.display_width
+        )?;
+    }
     for warning in comfort.warnings() {
         writeln!(text, "           warning: {warning}")?;
     }
@@ -137,6 +137,8 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
         "bounds": bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
         "bytes": bytes,
         "depth": { "nearest": finite(near), "farthest": finite(far) },
-        "comfort": { "parallax_percent": [near_percent, far_percent], "warnings": comfort.warnings() },
+        "comfort": (!is_around).then(|| {
+            json!({ "parallax_percent": [near_percent, far_percent], "warnings": comfort.warnings() })
+        }),
     }))
 }

@@ -45,7 +45,7 @@ impl Display for Report<'_> {
         line(f, "scene", scene_line(self.stage))?;
         let [width, height] = pose.size;
         let (e, px, d) = (pose.interaxial, pose.interaxial_px, pose.screen_distance);
-        let is_around = matches!(pose.projection, Projection::Equirectangular(_));
+        let is_around = self.is_around();
         let screen = if is_around { "equirectangular".into() } else { format!("{px:.2} px, d = {d:.4}") };
         line(f, "camera", format!("{width}x{height}, e = {e:.4}, {screen}"))?;
         line(f, "method", self.method_line())?;
@@ -123,13 +123,17 @@ impl Report<'_> {
             "second_eye": self.stage.options.count.then(|| statistics.second_eye()),
             "retraced_share": statistics.retraced_share(),
             "to_naive": self.difference.as_ref().map(difference_json),
-            "comfort": {
+            "comfort": (!self.is_around()).then(|| json!({
                 "parallax_px": [comfort.negative_parallax_px, comfort.positive_parallax_px],
                 "parallax_percent": [comfort.negative_parallax_percent, comfort.positive_parallax_percent],
                 "warnings": comfort.warnings(),
-            },
+            })),
             "files": Vec::from_iter(self.files.iter().map(|file| file.to_string_lossy())),
         })
+    }
+
+    fn is_around(&self) -> bool {
+        matches!(self.pair.pose.projection, Projection::Equirectangular(_))
     }
 
     fn comfort(&self) -> Comfort {
