@@ -8,7 +8,7 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    Equirectangular, GroundTruth, Pose, Projection, Span, StereoPair, View,
+    Equirectangular, GroundTruth, Pose, Span, StereoPair, View,
     output::{Anaglyph, Batch, ExrColor, Packing, Picture, anaglyph, packed},
 };
 
@@ -49,21 +49,17 @@ impl EyesArguments {
 
     /// Returns these options with the packing that players of equirectangular pictures expect, unless one is given.
     pub(crate) fn suiting(&self, pose: &Pose) -> Self {
-        let usual = match pose.projection {
-            Projection::OffAxis | Projection::ToeIn => None,
-            Projection::Equirectangular(Equirectangular { span: Span::Full, .. }) => Some(Packing::TopBottom),
-            Projection::Equirectangular(Equirectangular { span: Span::Half, .. }) => Some(Packing::SideBySide),
+        let usual = |around: Equirectangular| match around.span {
+            Span::Full => Packing::TopBottom,
+            Span::Half => Packing::SideBySide,
         };
-        Self { packing: self.packing.or(usual), ..self.clone() }
+        Self { packing: self.packing.or(pose.projection.equirectangular().map(usual)), ..self.clone() }
     }
 
     /// Returns the name of the file with the packing of a scene's views, without its extension. Players of
     /// equirectangular pictures read the projection and the packing from the name.
     pub(crate) fn packed_name(packing: Packing, pose: &Pose, scene: &str) -> String {
-        let span = match pose.projection {
-            Projection::OffAxis | Projection::ToeIn => return packing.to_string(),
-            Projection::Equirectangular(Equirectangular { span, .. }) => span,
-        };
+        let Some(Equirectangular { span, .. }) = pose.projection.equirectangular() else { return packing.to_string() };
         let tag = match (span, packing) {
             (Span::Full, Packing::TopBottom) => "360_TB".into(),
             (Span::Full, Packing::SideBySide) => "360_LR".into(),
@@ -152,9 +148,9 @@ fn is_vr_photo(path: &Path) -> bool {
 
 /// Adds a view as a PNG file, which names the projection of equirectangular pictures.
 pub(crate) fn add_view(batch: &mut Batch, path: &Path, view: &View, pose: &Pose) -> Result<(), stereotrace::Error> {
-    match pose.projection {
-        Projection::OffAxis | Projection::ToeIn => batch.add_png(path, &view.picture()),
-        Projection::Equirectangular(_) => batch.add_panorama_png(path, view, pose),
+    match pose.projection.equirectangular() {
+        None => batch.add_png(path, &view.picture()),
+        Some(_) => batch.add_panorama_png(path, view, pose),
     }
 }
 

@@ -344,17 +344,13 @@ fn projected(camera: StereoCamera, fields: &Bound<'_, PyDict>) -> PyResult<Stere
     let fault = |name: &str, value: &Bound<'_, PyAny>, rule: &str| {
         Err(refused(format!("camera: {name}: {} must be {rule}", shown(value))))
     };
-    let before = match camera.projection_kind() {
-        Projection::Equirectangular(projection) => Some(projection),
-        _ => None,
-    };
+    let before = camera.projection_kind().equirectangular();
     let span = match fields.get_item("projection")? {
         None => before.map(|projection| projection.span),
-        Some(value) => match (value.extract::<u32>(), value.extract::<String>()) {
-            (Ok(360), _) => Some(Span::Full),
-            (Ok(180), _) => Some(Span::Half),
-            (_, Ok(name)) if name == "planar" => None,
-            _ => return fault("projection", &value, "'planar', 360 or 180"),
+        Some(value) if value.extract::<String>().is_ok_and(|name| name == "planar") => None,
+        Some(value) => match value.extract::<u32>().ok().and_then(|degrees| Span::from_degrees(degrees.into())) {
+            None => return fault("projection", &value, "'planar', 360 or 180"),
+            span => span,
         },
     };
     let merge = match fields.get_item("pole_merge")? {

@@ -13,24 +13,24 @@ struct Band {
 }
 
 //! if canvas is picture and camera is around
-// The source eye and the target eye of a viewing circle. Each column's rays start at a point of the circle, and are
-// tangents of it. Directions have length 1 along the ground, so a ray's t is the horizontal distance s of its hit
-// (DESIGN, section 2).
+// The target eye of a viewing circle; its source is on the other side. Each column's rays start at a point of the
+// circle, and are tangents of it. Directions have length 1 along the ground, so a ray's t is the horizontal distance s
+// of its hit (DESIGN, section 2).
 struct Eyes {
     centre: vec3f,           // of the circle, scene coordinates
-    source_radius: f32,      // radius of the circle, world units; negative for left eyes
+    target_radius: f32,      // radius of the circle, world units; negative for left eyes
     right_axis: vec3f,       // unit vector to the right, for azimuth 0
-    target_radius: f32,      // like source_radius
+    most_elevation: f32,     // largest elevation of a ray, radians
     up_axis: vec3f,          // unit vector along the circle's axis
     column_step: f32,        // azimuth per column, radians
     forward: vec3f,          // unit vector ahead, at azimuth 0
     row_step: f32,           // elevation per row, radians
     middle: vec2f,           // column of azimuth 0, and row of elevation 0
     merge: vec2f,            // elevations between which the radius shrinks to 0, radians
-    most_elevation: f32,     // largest elevation of a ray
     wider: f32,              // guard band around a tile's directions in its search, pixels, far more than rounding
     turn: u32,               // number of columns of a full turn; the picture's width if it shows only a part of it
     wraps: u32,              // 1 if the picture shows a full turn, so that its last column's neighbour is its first
+    spare: u32,
     _pad: array<vec4f, 3>,
 }
 

@@ -34,19 +34,19 @@ pub(crate) struct Eyes {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct CircleEyes {
     pub(crate) centre: [f32; 3],
-    pub(crate) source_radius: f32,
-    pub(crate) right_axis: [f32; 3],
     pub(crate) target_radius: f32,
+    pub(crate) right_axis: [f32; 3],
+    pub(crate) most_elevation: f32,
     pub(crate) up_axis: [f32; 3],
     pub(crate) column_step: f32,
     pub(crate) forward: [f32; 3],
     pub(crate) row_step: f32,
     pub(crate) middle: [f32; 2],
     pub(crate) merge: [f32; 2],
-    pub(crate) most_elevation: f32,
     pub(crate) wider: f32,
     pub(crate) turn: u32,
     pub(crate) wraps: u32,
+    pub(crate) spare: u32,
     pub(crate) _pad: [u32; 12],
 }
 

@@ -75,14 +75,25 @@ impl Batch {
 }
 
 /// Inserts a segment into a JPEG file, after the JFIF segment at its start.
-pub(super) fn with_segment(jpeg: &[u8], marker: u8, content: &[u8]) -> Vec<u8> {
-    let place = first_segment_end(jpeg);
+fn with_segment(jpeg: &[u8], marker: u8, content: &[u8]) -> Vec<u8> {
+    with_segments(jpeg, &segment(marker, &[content]))
+}
+
+/// Inserts segments into a JPEG file, after the JFIF segment at its start.
+pub(super) fn with_segments(jpeg: &[u8], segments: &[u8]) -> Vec<u8> {
+    let (begin, rest) = jpeg.split_at(first_segment_end(jpeg));
+    [begin, segments, rest].concat()
+}
+
+/// Returns a segment, whose content is given in parts.
+pub(super) fn segment(marker: u8, content: &[&[u8]]) -> Vec<u8> {
+    let content = content.concat();
     let length = (content.len() as u16 + 2).to_be_bytes();
-    [&jpeg[..place], &[0xff, marker], &length, content, &jpeg[place..]].concat()
+    [&[0xff, marker], length.as_slice(), &content].concat()
 }
 
 /// Returns the end of the JFIF segment, which follows the file's first marker.
-pub(super) fn first_segment_end(jpeg: &[u8]) -> usize {
+fn first_segment_end(jpeg: &[u8]) -> usize {
     4 + usize::from(u16::from_be_bytes([jpeg[4], jpeg[5]]))
 }
 

@@ -7,10 +7,10 @@ use super::Batch;
 #[cfg(feature = "png")]
 use super::file::png_with_xmp;
 #[cfg(feature = "jpeg")]
-use super::jpeg::{first_segment_end, with_segment};
+use super::jpeg::{segment, with_segments};
 #[cfg(feature = "jpeg")]
 use crate::StereoPair;
-use crate::{Error, Pose, Projection, Span, View};
+use crate::{Error, Pose, Span, View};
 
 /// Begin of a JPEG segment that holds XMP.
 #[cfg(feature = "jpeg")]
@@ -50,7 +50,8 @@ impl Batch {
     ) -> Result<(), Error> {
         let path = path.as_ref();
         let jpeg = view.picture().jpeg(path, quality)?;
-        self.add(path, &with_segment(&jpeg, APP1, &[XMP, packet(&properties(pose)?).as_bytes()].concat()))
+        let xmp = segment(APP1, &[XMP, packet(&properties(pose)?).as_bytes()]);
+        self.add(path, &with_segments(&jpeg, &xmp))
     }
 
     /// Adds an equirectangular pair as a VR photo, `NAME.vr.jpg`: a JPEG file of the left view, whose extended XMP
@@ -75,30 +76,19 @@ impl Batch {
             r#"xmlns:xmpNote="http://ns.adobe.com/xmp/note/" {image} xmpNote:HasExtendedXMP="{name}" GImage:Mime="image/jpeg""#
         );
         let main = packet(&format!("{} {note}", properties(&pair.pose)?));
-        let left = with_segment(&left?, APP1, &[XMP, main.as_bytes()].concat());
-        // The parts follow the main XMP segment.
-        let begin = first_segment_end(&left);
-        let after = begin + 4 + XMP.len() + main.len();
-        let mut bytes = left[..after].to_vec();
+        let mut segments = segment(APP1, &[XMP, main.as_bytes()]);
         for (index, part) in extended.as_bytes().chunks(PART).enumerate() {
-            let size = (2 + EXTENDED_XMP.len() + 32 + 8 + part.len()) as u16;
             let offset = (index * PART) as u32;
-            bytes.extend([0xff, APP1]);
-            bytes.extend(size.to_be_bytes());
-            bytes.extend_from_slice(EXTENDED_XMP);
-            bytes.extend_from_slice(name.as_bytes());
-            bytes.extend(length.to_be_bytes());
-            bytes.extend(offset.to_be_bytes());
-            bytes.extend_from_slice(part);
+            let header: [&[u8]; 4] = [EXTENDED_XMP, name.as_bytes(), &length.to_be_bytes(), &offset.to_be_bytes()];
+            segments.extend(segment(APP1, &[&header.concat(), part]));
         }
-        bytes.extend_from_slice(&left[after..]);
-        self.add(path, &bytes)
+        self.add(path, &with_segments(&left?, &segments))
     }
 }
 
 /// Returns the `GPano` properties of a view, as attributes. Half a turn is cropped from a full one.
 fn properties(pose: &Pose) -> Result<String, Error> {
-    let Projection::Equirectangular(projection) = pose.projection else {
+    let Some(projection) = pose.projection.equirectangular() else {
         return Err(Error::Camera {
             field: "projection",
             value: "planar".into(),
@@ -139,7 +129,9 @@ mod tests {
     use base64::{Engine, engine::general_purpose::STANDARD};
 
     use super::*;
-    use crate::{Equirectangular, MISS, Statistics, StereoCamera, folder::Folder, glam::Vec3, random::Random};
+    use crate::{
+        Equirectangular, MISS, Projection, Statistics, StereoCamera, folder::Folder, glam::Vec3, random::Random,
+    };
 
     fn pair(span: Span, [width, height]: [u32; 2]) -> StereoPair {
         let camera = StereoCamera::look_at(Vec3::ZERO, Vec3::X).size(width, height);

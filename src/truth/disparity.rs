@@ -58,17 +58,12 @@ impl Pose {
     /// picture. T is the tangent of the point's horizontal angle from that eye's axis. υ moves the point across rows
     /// only.
     pub(crate) fn disparities_of_eye(&self, side: f64) -> Box<dyn Fn([usize; 2], f32) -> f64 + '_> {
-        let frustum = match self.field {
-            Field::Screen(frustum) => frustum,
-            Field::Sphere(sphere) => {
-                let circle = Circle::of(self, &sphere);
-                return Box::new(move |[_, row], s| circle.disparity_px(s.into(), circle.elevation(row as f64 + 0.5)));
-            }
-        };
+        let nominal = self.disparities_of_rows();
+        let Some(frustum) = self.frustum() else { return Box::new(move |[_, row], s| nominal(row, s)) };
         let (rounding, [fx, _]) = (self.baseline_rounding(), frustum.focal_px(self.size));
-        let cx = self.principal_px(side as f32).map_or(0.0, |[cx, _]| cx);
-        Box::new(move |[column, _], z| {
-            let nominal = self.disparity_px(z);
+        let [cx, _] = frustum.principal_px(self.size, 0.5 * side);
+        Box::new(move |[column, row], z| {
+            let nominal = nominal(row, z);
             if rounding == DVec3::ZERO || !nominal.is_finite() {
                 return nominal;
             }

@@ -88,11 +88,8 @@ pub(crate) fn read(value: JsValue) -> Result<StereoCamera, JsValue> {
         camera = camera.projection(Projection::ToeIn);
     }
     if let Some(degrees) = projection {
-        let span = match degrees {
-            360 => Span::Full,
-            180 => Span::Half,
-            other => return Err(refused(&format!("camera: projection: {other}; use 360 or 180"))),
-        };
+        let span = Span::from_degrees(degrees.into());
+        let span = span.ok_or_else(|| refused(&format!("camera: projection: {degrees}; use 360 or 180")))?;
         let merge = pole_merge.map_or_else(|| Some(PoleMerge::default()), |merge| merge.read());
         camera = camera.projection(Projection::Equirectangular(Equirectangular { span, merge }));
     }
@@ -104,14 +101,7 @@ pub(crate) fn read(value: JsValue) -> Result<StereoCamera, JsValue> {
 pub(crate) fn written(camera: &StereoCamera) -> Result<JsValue, JsValue> {
     let pose = camera.pose().map_err(raised)?;
     let focal = pose.focal_px().map(|[_, focal]| focal);
-    let around = match pose.projection {
-        Projection::Equirectangular(around) => Some(around),
-        Projection::OffAxis | Projection::ToeIn => None,
-    };
-    let degrees = |around: Equirectangular| match around.span {
-        Span::Full => 360,
-        Span::Half => 180,
-    };
+    let around = pose.projection.equirectangular();
     values::written(&Camera {
         eye: pose.eye.to_array(),
         target: camera.target_position().to_array(),
@@ -122,7 +112,7 @@ pub(crate) fn written(camera: &StereoCamera) -> Result<JsValue, JsValue> {
         interaxial: Some(pose.interaxial),
         interaxial_pixels: None,
         toe_in: (pose.projection == Projection::ToeIn).then_some(true),
-        projection: around.map(degrees),
+        projection: around.map(|around| around.span.degrees() as u32),
         pole_merge: around.map(|around| Merge::written(around.merge)),
     })
 }

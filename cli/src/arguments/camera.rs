@@ -127,7 +127,10 @@ impl CameraArguments {
 
     /// Returns a path with the projection of --projection.
     pub(super) fn projected_path(&self, path: CameraPath) -> CameraPath {
-        self.span().map_or(path.clone(), |span| path.projection(self.equirectangular(span)))
+        match self.span() {
+            None => path,
+            Some(span) => path.projection(self.equirectangular(span)),
+        }
     }
 
     /// Returns the camera with the projection of --projection. An equirectangular pair is level unless --up is given.

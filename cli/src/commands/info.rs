@@ -5,7 +5,7 @@ use std::{error::Error, fmt::Write};
 use clap::Args;
 use serde_json::{Value, json};
 use stereotrace::{
-    Builtin, Projection,
+    Builtin,
     glam::DVec3,
     message::{counted, escaped},
     wgpu,
@@ -104,7 +104,7 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
     let [width, height] = pose.size;
     let (near, far) = depths(&mut stage.renderer, &stage.uploaded, &stage.camera)?;
     let (e, px, d) = (pose.interaxial, pose.interaxial_px, pose.screen_distance);
-    let is_around = matches!(pose.projection, Projection::Equirectangular(_));
+    let is_around = pose.projection.equirectangular().is_some();
     let screen = if is_around { ", equirectangular".into() } else { format!(" ({px:.2} px), d = {d:.4}") };
     writeln!(text, "camera     {width}x{height}, e = {e:.4}{screen}; at {} along {}", pose.eye, pose.forward)?;
     let reach = if far == f32::INFINITY { "the sky".into() } else { format!("{far:.4}") };

@@ -8,7 +8,7 @@ use std::{
 
 use serde_json::{Value, json};
 use stereotrace::{
-    Comfort, Lighting, MISS, Projection, Statistics, StereoPair, Work,
+    Comfort, Lighting, MISS, Statistics, StereoPair, Work,
     message::{counted, escaped, noun},
     metrics::Difference,
 };
@@ -133,7 +133,7 @@ impl Report<'_> {
     }
 
     fn is_around(&self) -> bool {
-        matches!(self.pair.pose.projection, Projection::Equirectangular(_))
+        self.pair.pose.projection.equirectangular().is_some()
     }
 
     fn comfort(&self) -> Comfort {

@@ -19,15 +19,13 @@ const NO_MERGE: [f64; 2] = [4.0, 5.0];
 /// Returns the uniform that describes a view and its source to kernels.
 pub(super) fn uniform(eyes: &Eyes, circle: &Circle, view: usize, aside: f32) -> layout::Eyes {
     let pose = &eyes.pose;
-    // Offsets are in interaxials, which are two radii.
-    let radius = |view: usize| (f64::from(2.0 * eyes.offsets[view]) * circle.radius) as f32;
     let merge = if circle.merge[0].is_finite() { circle.merge } else { NO_MERGE };
     let [column_step, row_step] = circle.steps.map(|step| step as f32);
     bytemuck::cast(layout::CircleEyes {
         centre: pose.eye_in_scene(0.0).to_array(),
-        source_radius: radius(eyes.sources[view]),
         right_axis: pose.right.to_array(),
-        target_radius: radius(view),
+        // Offsets are in interaxials, which are two radii.
+        target_radius: (f64::from(2.0 * eyes.offsets[view]) * circle.radius) as f32,
         up_axis: pose.up.to_array(),
         column_step,
         forward: pose.forward.to_array(),

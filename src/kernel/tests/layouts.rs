@@ -61,19 +61,19 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     let around = parse(&TRACE_LEFT, &Variant { camera: CameraModel::Around, ..with });
     let stated = [
         ("centre", offset_of!(layout::CircleEyes, centre)),
-        ("source_radius", offset_of!(layout::CircleEyes, source_radius)),
-        ("right_axis", offset_of!(layout::CircleEyes, right_axis)),
         ("target_radius", offset_of!(layout::CircleEyes, target_radius)),
+        ("right_axis", offset_of!(layout::CircleEyes, right_axis)),
+        ("most_elevation", offset_of!(layout::CircleEyes, most_elevation)),
         ("up_axis", offset_of!(layout::CircleEyes, up_axis)),
         ("column_step", offset_of!(layout::CircleEyes, column_step)),
         ("forward", offset_of!(layout::CircleEyes, forward)),
         ("row_step", offset_of!(layout::CircleEyes, row_step)),
         ("middle", offset_of!(layout::CircleEyes, middle)),
         ("merge", offset_of!(layout::CircleEyes, merge)),
-        ("most_elevation", offset_of!(layout::CircleEyes, most_elevation)),
         ("wider", offset_of!(layout::CircleEyes, wider)),
         ("turn", offset_of!(layout::CircleEyes, turn)),
         ("wraps", offset_of!(layout::CircleEyes, wraps)),
+        ("spare", offset_of!(layout::CircleEyes, spare)),
         ("_pad", offset_of!(layout::CircleEyes, _pad)),
     ];
     assert_struct(&around, "Eyes", &stated, size_of::<layout::Eyes>());

@@ -60,6 +60,13 @@ impl Frustum {
         [0, 1].map(|axis| self.distance * f64::from(size[axis]) / self.size[axis])
     }
 
+    /// Returns where the axis of an eye meets a picture of the given size, in pixels. The eye is `offset` interaxials
+    /// to the right of the midpoint.
+    pub(crate) fn principal_px(&self, size: [u32; 2], offset: f64) -> [f64; 2] {
+        let ([width, height], [w, h]) = (self.size, size.map(f64::from));
+        [-self.left(offset) / width * w, self.top() / height * h]
+    }
+
     /// Returns the direction from an eye of a pose through the picture's top left corner, with length 1 along the view
     /// axis. The eye is `offset` interaxials to the right of the midpoint and is not toed in.
     pub(crate) fn corner(&self, pose: &Pose, offset: f64) -> DVec3 {
@@ -277,10 +284,7 @@ impl Pose {
     /// is in pixels from the top left corner, with pixel centres at halves, and may lie outside the picture.
     /// Equirectangular pictures have none.
     pub fn principal_px(&self, side: f32) -> Option<[f64; 2]> {
-        let frustum = self.frustum()?;
-        let [width, height] = frustum.size;
-        let [w, h] = self.size.map(f64::from);
-        Some([-frustum.left(0.5 * f64::from(side)) / width * w, frustum.top() / height * h])
+        self.frustum().map(|frustum| frustum.principal_px(self.size, 0.5 * f64::from(side)))
     }
 
     /// Returns the rectangle of a planar pose.

@@ -62,7 +62,31 @@ impl Default for PoleMerge {
     }
 }
 
+impl Projection {
+    /// Returns the settings of equirectangular pictures, or `None` for planar ones.
+    pub fn equirectangular(self) -> Option<Equirectangular> {
+        match self {
+            Self::OffAxis | Self::ToeIn => None,
+            Self::Equirectangular(equirectangular) => Some(equirectangular),
+        }
+    }
+}
+
 impl Span {
+    /// Returns the span of 360 or of 180 degrees, or `None` for another number.
+    pub fn from_degrees(degrees: f64) -> Option<Self> {
+        match degrees {
+            360.0 => Some(Self::Full),
+            180.0 => Some(Self::Half),
+            _ => None,
+        }
+    }
+
+    /// Returns the range of azimuths in degrees.
+    pub fn degrees(self) -> f64 {
+        self.radians().to_degrees()
+    }
+
     /// Returns the range of azimuths in radians.
     pub(crate) fn radians(self) -> f64 {
         match self {
@@ -103,7 +127,7 @@ mod json {
                 Self::OffAxis => json!("off-axis"),
                 Self::ToeIn => json!("toe-in"),
                 Self::Equirectangular(Equirectangular { span, merge }) => json!({
-                    "span_deg": span.radians().to_degrees(),
+                    "span_deg": span.degrees(),
                     "pole_merge_deg": merge.map(|merge| [merge.from, merge.to].map(f64::from)),
                 }),
             }
@@ -119,10 +143,8 @@ mod json {
                 };
             };
             let span = fields.get("span_deg").unwrap_or(&Value::Null);
-            let span = match span.as_f64() {
-                Some(360.0) => Span::Full,
-                Some(180.0) => Span::Half,
-                _ => return fault("span_deg", span, "360 or 180"),
+            let Some(span) = span.as_f64().and_then(Span::from_degrees) else {
+                return fault("span_deg", span, "360 or 180");
             };
             let merge = match fields.get("pole_merge_deg") {
                 None => Some(PoleMerge::default()),

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::{Aperture, Field, Lenses, Pose, StereoCamera};
+use super::{Aperture, Circle, Field, Lenses, Pose, StereoCamera};
 use crate::Error;
 
 /// Longest side of a picture in pixels. In larger pictures f32 can't distinguish the pixels' directions at any field of
@@ -134,6 +134,9 @@ pub(crate) fn least_pixel_angle(pose: &Pose, offset: f64) -> f64 {
             let [across, down] = frustum.steps(pose.size);
             across.min(down) / (1.0 + x * x + y * y)
         }
-        Field::Sphere(_) => pose.circle().map_or(0.0, |circle| circle.steps[0].min(circle.steps[1])),
+        Field::Sphere(sphere) => {
+            let [across, down] = Circle::of(pose, &sphere).steps;
+            across.min(down)
+        }
     }
 }
