@@ -9,7 +9,11 @@
 
 use std::{error::Error, path::Path, time::Instant};
 
-use stereotrace::{Builtin, Gpu, Method, Options, Renderer, Rig, blocking::Wait, output::Batch};
+use stereotrace::{
+    Builtin, Gpu, Method, Options, Renderer, Rig,
+    blocking::Wait,
+    output::{Batch, PngRows},
+};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -26,20 +30,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = Options::new(method).g_buffer(stereotrace::GBuffer::None);
     println!("before the first row: {}", memory());
     let begin = Instant::now();
-    let (mut first, mut second, mut done) = (Batch::new(), Batch::new(), None);
-    first.add_png_rows(Path::new(&folder).join("left.png"), width, height, |left| {
-        second.add_png_rows(Path::new(&folder).join("right.png"), width, height, |right| {
-            let mut write = |rows: stereotrace::Rows| {
-                left.write(&rows.views[0].view.rgba8)?;
-                right.write(&rows.views[1].view.rgba8)
-            };
-            done = Some(renderer.views(&scene, &rig).options(&options).rows(&mut write).wait()?);
-            Ok(())
-        })
-    })?;
-    first.commit()?;
-    second.commit()?;
-    let between = done.map_or(0, |views| views.intermediate_bytes);
+    let file = |name| PngRows::new(Path::new(&folder).join(name), width, height);
+    let [mut left, mut right] = [file("left.png")?, file("right.png")?];
+    let mut write = |rows: stereotrace::Rows| {
+        left.write(&rows.views[0].view.rgba8)?;
+        right.write(&rows.views[1].view.rgba8)
+    };
+    let views = renderer.views(&scene, &rig).options(&options).rows(&mut write).wait()?;
+    let mut batch = Batch::new();
+    batch.add_png_rows(left)?;
+    batch.add_png_rows(right)?;
+    batch.commit()?;
+    let between = views.intermediate_bytes;
     println!("{size} by {method} on {}", renderer.gpu().adapter_name());
     println!("{:.1} s; {} MiB between the steps; {}", begin.elapsed().as_secs_f64(), between >> 20, memory());
     Ok(())

@@ -13,6 +13,7 @@ mod commands;
 #[allow(dead_code, reason = "unit tests use a part of it")]
 mod folder;
 mod manifest;
+mod pictures;
 mod progress;
 mod record;
 mod stop;

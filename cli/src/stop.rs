@@ -48,6 +48,9 @@ pub(crate) struct Interrupted {
 
 impl fmt::Display for Interrupted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.of == 1 {
+            return f.write_str("interrupted before the pair was finished");
+        }
         let advice = if self.can_go_on { "; run the same command again to make the rest" } else { "" };
         write!(f, "interrupted after {} of {} pairs{advice}", self.done, self.of)
     }

@@ -9,7 +9,7 @@ use std::{
 use clap::Args;
 use stereotrace::{
     Equirectangular, GroundTruth, Pose, Span, StereoPair, View,
-    output::{Anaglyph, Batch, ExrColor, Packing, Picture, anaglyph, packed},
+    output::{Anaglyph, Batch, Combination, ExrColor, Packing, Picture},
 };
 
 use crate::shown;
@@ -71,13 +71,15 @@ impl EyesArguments {
         format!("{scene}_{tag}")
     }
 
-    /// Returns one picture of both views: the packing if one is given, else the anaglyph.
+    /// Returns how one picture shows both views: by the packing if one is given, else as an anaglyph.
+    pub(crate) fn combination(&self) -> Combination {
+        self.packing.map_or(Combination::Anaglyph(self.anaglyph), Combination::Packed)
+    }
+
+    /// Returns one picture of both views.
     pub(crate) fn picture(&self, left: &View, right: &View) -> Picture {
         let (left, right) = self.ordered(left, right);
-        match self.packing {
-            Some(packing) => packed(left, right, packing),
-            None => anaglyph(left, right, self.anaglyph),
-        }
+        self.combination().picture(left, right)
     }
 }
 
@@ -146,12 +148,14 @@ fn is_vr_photo(path: &Path) -> bool {
     ending(path) == "jpg" && ending(Path::new(path.file_stem().unwrap_or_default())) == "vr"
 }
 
-/// Adds a view as a PNG file, which names the projection of equirectangular pictures.
-pub(crate) fn add_view(batch: &mut Batch, path: &Path, view: &View, pose: &Pose) -> Result<(), stereotrace::Error> {
-    match pose.projection.equirectangular() {
-        None => batch.add_png(path, &view.picture()),
-        Some(_) => batch.add_panorama_png(path, view, pose),
-    }
+/// Returns whether the file name is a PNG file's.
+pub(crate) fn is_png(path: &Path) -> bool {
+    ending(path) == "png"
+}
+
+/// Returns whether the file name is that of one picture, and not of a file that holds both views.
+pub(crate) fn is_single_picture(path: &Path) -> bool {
+    is_png(path) || ["jpg", "jpeg"].contains(&&*ending(path)) && !is_vr_photo(path)
 }
 
 /// Adds a picture to the batch as a PNG or JPEG file, by the extension of its name.

@@ -1,5 +1,5 @@
-//! Tests signals to `stereotrace sequence` and `dataset`. A run ends between two pairs, and the next run continues from
-//! there.
+//! Tests signals to `stereotrace render`, `sequence` and `dataset`. A sequence or data set ends between two pairs, and
+//! the next run continues from there.
 #![cfg(unix)]
 
 mod common;
@@ -74,6 +74,21 @@ fn interrupted(output: &Output, of: u32) -> usize {
     let (count, rest) = count.unwrap_or_else(|| panic!("{said}"));
     assert_eq!(rest, format!("{of} pairs; run the same command again to make the rest"));
     count.parse().unwrap()
+}
+
+#[test]
+fn an_interrupted_picture_leaves_nothing() {
+    let folder = Folder::new("interrupted_picture");
+    let out = folder.file("out");
+    let child = start(&["render", "builtin:hall", "--size", "8192x8192", "--out", out.to_str().unwrap()]);
+    let has_rows = |path: &PathBuf| path.metadata().is_ok_and(|metadata| metadata.len() > 100_000);
+    wait_for("the first rows", || out.is_dir() && files(&out).iter().any(has_rows));
+    send("INT", &child);
+    let output = end_of(child);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(said.ends_with("error: interrupted before the pair was finished\n"), "{said}");
+    assert_eq!(files(&out), Vec::<PathBuf>::new());
 }
 
 #[test]

@@ -56,6 +56,26 @@ fn out_is_a_picture_or_a_folder() {
 }
 
 #[test]
+fn pictures_written_by_rows_are_those_of_a_whole_pair() {
+    let folder = Folder::new("by_rows");
+    let out = |name: &str| folder.file(name).to_str().unwrap().to_owned();
+    let files = |name: &str| {
+        let read = fs::read_dir(folder.file(name)).unwrap().map(|entry| entry.unwrap().path());
+        let mut read = Vec::from_iter(read.map(|path| (path.file_name().unwrap().to_owned(), fs::read(path).unwrap())));
+        read.sort();
+        read
+    };
+    let command = ["render", "builtin:hall", "--size", "90x61", "--samples", "4", "--packing", "half-top-bottom"];
+    printed(&[&command[..], &["--out", &out("rows")]].concat());
+    printed(&[&command[..], &["--out", &out("whole"), "--compare"]].concat());
+    assert_eq!(files("rows").len(), 4);
+    assert!(files("rows") == files("whole"));
+    printed(&[&command[..], &["--out", &out("rows.jpg")]].concat());
+    printed(&[&command[..], &["--out", &out("whole.jpg"), "--compare"]].concat());
+    assert!(fs::read(folder.file("rows.jpg")).unwrap() == fs::read(folder.file("whole.jpg")).unwrap());
+}
+
+#[test]
 fn pictures_all_around_have_the_names_that_players_read() {
     let folder = Folder::new("around");
     let out = folder.file("all").to_str().unwrap().to_owned();

@@ -44,17 +44,7 @@ pub struct ViewRows {
 impl ViewRows {
     /// Returns an empty list of rows.
     pub(crate) fn new(width: u32) -> Self {
-        let view = View {
-            width,
-            height: 0,
-            rgba8: Vec::new(),
-            linear: Vec::new(),
-            albedo: Vec::new(),
-            depth: Vec::new(),
-            primitive: Vec::new(),
-            object: Vec::new(),
-            cost: Vec::new(),
-        };
+        let view = View::of_pixels(width, Vec::new());
         Self { view, source: Vec::new(), shadow_source: Vec::new(), parts: Vec::new() }
     }
 

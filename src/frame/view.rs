@@ -63,6 +63,21 @@ pub enum ShadowSource {
 }
 
 impl View {
+    /// Returns a view of these pixels, row-major, and nothing else.
+    pub(crate) fn of_pixels(width: u32, rgba8: Vec<[u8; 4]>) -> Self {
+        Self {
+            width,
+            height: (rgba8.len() / width.max(1) as usize) as u32,
+            rgba8,
+            linear: Vec::new(),
+            albedo: Vec::new(),
+            depth: Vec::new(),
+            primitive: Vec::new(),
+            object: Vec::new(),
+            cost: Vec::new(),
+        }
+    }
+
     /// Returns the displayed picture as linear RGB and alpha, 0 to 1, decoded from [`View::rgba8`].
     pub fn light(&self) -> Vec<[f32; 4]> {
         let decoded = |&[red, green, blue, alpha]: &[u8; 4]| {

@@ -1,7 +1,7 @@
 //! Files that are written completely or not at all, alone or together.
 
-use std::fs::{self, File, OpenOptions, Permissions};
-use std::io::{self, ErrorKind, Write};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::{NamedTempFile, TempPath};
@@ -60,8 +60,18 @@ struct Staged {
 enum Content {
     /// A written file, to be renamed. It is removed when dropped.
     Temporary { temporary: TempPath, target: PathBuf, replaces: bool },
-    /// Content for a target that can't be replaced.
-    Direct(Vec<u8>),
+    /// Content for a target that can't be replaced, in a file without a name.
+    Direct(File),
+}
+
+/// A file that is being written under its temporary name. It is removed when dropped.
+#[derive(Debug)]
+pub(super) struct OpenFile {
+    pub(super) file: File,
+    /// Path as given by the caller.
+    pub(super) path: PathBuf,
+    /// The temporary file, its target, and the old file that it replaces. `None` if the target can't be replaced.
+    temporary: Option<(TempPath, PathBuf, Option<fs::Metadata>)>,
 }
 
 impl Batch {
@@ -78,13 +88,24 @@ impl Batch {
         self.add_with(path.as_ref(), |file| file.write_all(bytes))
     }
 
-    pub(super) fn add_with(
-        &mut self,
-        path: &Path,
-        write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
-    ) -> Result<(), Error> {
-        let content = stage(path, write).map_err(|source| Error::io(path, source))?;
-        self.staged.push(Staged { path: path.into(), content });
+    fn add_with(&mut self, path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Error> {
+        let mut open = OpenFile::create(path)?;
+        write(&mut open.file).map_err(|source| Error::io(path, source))?;
+        self.close(open)
+    }
+
+    /// Syncs a written file to disk, and closes it, since Windows does not rename open files.
+    pub(super) fn close(&mut self, open: OpenFile) -> Result<(), Error> {
+        let OpenFile { file, path, temporary } = open;
+        let content = match temporary {
+            None => Content::Direct(file),
+            Some((temporary, target, old)) => {
+                let permitted = old.as_ref().map_or(Ok(()), |old| file.set_permissions(old.permissions()));
+                permitted.and_then(|()| file.sync_all()).map_err(|source| Error::io(&path, source))?;
+                Content::Temporary { temporary, target, replaces: old.is_some() }
+            }
+        };
+        self.staged.push(Staged { path, content });
         Ok(())
     }
 
@@ -94,11 +115,12 @@ impl Batch {
     ///
     /// # Errors
     /// [`Error::Io`], naming the file that could not be renamed. Files that were new are removed again.
-    pub fn commit(self) -> Result<Vec<PathBuf>, Error> {
-        for Staged { path, content } in &self.staged {
-            if let Content::Direct(bytes) = content {
-                let written = open_direct(path).and_then(|mut file| file.write_all(bytes));
-                written.map_err(|source| Error::io(path, source))?;
+    pub fn commit(mut self) -> Result<Vec<PathBuf>, Error> {
+        for Staged { path, content } in &mut self.staged {
+            if let Content::Direct(content) = content {
+                let rewound = content.rewind().and_then(|()| open_direct(path));
+                let written = rewound.and_then(|mut file| io::copy(content, &mut file));
+                written.map_err(|source| Error::io(&*path, source))?;
             }
         }
         let mut new = Vec::new();
@@ -121,20 +143,27 @@ impl Batch {
     }
 }
 
-/// Writes the output of `write` to a temporary file beside the target, or keeps it for a target that can't be replaced.
-fn stage(path: &Path, write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>) -> io::Result<Content> {
-    let old = fs::metadata(path).ok();
-    if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
-        let mut bytes = Vec::new();
-        return write(&mut bytes).map(|()| Content::Direct(bytes));
+impl OpenFile {
+    /// Creates a temporary file beside the target, or a file without a name for a target that can't be replaced.
+    ///
+    /// # Errors
+    /// [`Error::Io`], naming `path`, if it can't be written, is read-only, or is a folder.
+    pub(super) fn create(path: &Path) -> Result<Self, Error> {
+        Self::create_for(path).map_err(|source| Error::io(path, source))
     }
-    let target = follow(path)?;
-    if let Some(old) = &old {
-        check_replaceable(&target, old)?;
+
+    fn create_for(path: &Path) -> io::Result<Self> {
+        let old = fs::metadata(path).ok();
+        if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
+            return Ok(Self { file: tempfile::tempfile()?, path: path.into(), temporary: None });
+        }
+        let target = follow(path)?;
+        if let Some(old) = &old {
+            check_replaceable(&target, old)?;
+        }
+        let (file, temporary) = create_beside(&target)?.into_parts();
+        Ok(Self { file, path: path.into(), temporary: Some((temporary, target, old)) })
     }
-    let (file, temporary) = create_beside(&target)?.into_parts();
-    fill(file, write, old.as_ref().map(fs::Metadata::permissions))?;
-    Ok(Content::Temporary { temporary, target, replaces: old.is_some() })
 }
 
 /// Opens a target that can't be replaced.
@@ -212,19 +241,6 @@ fn create_beside(target: &Path) -> io::Result<NamedTempFile> {
     });
     // The system's own error is returned: tempfile's error names the temporary file, but callers name the target.
     created.map_err(|error| fault.unwrap_or(error))
-}
-
-/// Writes the file, syncs it to disk and closes it, since Windows does not rename open files.
-fn fill(
-    mut file: File,
-    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
-    permissions: Option<Permissions>,
-) -> io::Result<()> {
-    write(&mut file)?;
-    if let Some(permissions) = permissions {
-        file.set_permissions(permissions)?;
-    }
-    file.sync_all()
 }
 
 #[cfg(test)]

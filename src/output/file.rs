@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-#[cfg(feature = "png")]
-use super::Picture;
 use super::{Batch, write_whole};
+#[cfg(feature = "png")]
+use super::{Picture, PngRows};
 use crate::{Error, MISS, View, message::counted};
 
 /// All whole numbers up to this one are exact in f32.
@@ -99,32 +99,10 @@ impl Picture {
     /// # Errors
     /// [`Error::Io`] if there are not `width * height` pixels or none at all, or the file cannot be written.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<(), Error> {
-        let path = path.as_ref();
-        write_whole(path, &self.png(path)?)
+        let mut batch = Batch::new();
+        batch.add_png(path, self)?;
+        batch.commit().map(drop)
     }
-
-    /// Returns the bytes of a PNG file; `path` is for errors.
-    fn png(&self, path: &Path) -> Result<Vec<u8>, Error> {
-        png_with_xmp(self, path, None)
-    }
-}
-
-/// Returns the bytes of a PNG file of a picture, with an XMP packet if one is given.
-#[cfg(feature = "png")]
-pub(super) fn png_with_xmp(picture: &Picture, path: &Path, xmp: Option<&str>) -> Result<Vec<u8>, Error> {
-    let kind = PngKind { color: png::ColorType::Rgba, depth: png::BitDepth::Eight, is_srgb: true };
-    let Picture { width, height, rgba8 } = picture;
-    check_count(path, *width, *height, rgba8.len())?;
-    let mut bytes = Vec::new();
-    let mut encoder = kind.encoder(&mut bytes, *width, *height);
-    let noted = xmp.map_or(Ok(()), |xmp| encoder.add_itxt_chunk("XML:com.adobe.xmp".into(), xmp.into()));
-    let written = noted.and_then(|()| {
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(rgba8.as_flattened())?;
-        writer.finish()
-    });
-    written.map_err(|error| Error::unwritable(path, error))?;
-    Ok(bytes)
 }
 
 /// Sample format of a PNG file.
@@ -169,8 +147,9 @@ impl Batch {
     /// Those of [`Picture::save_png`].
     #[cfg(feature = "png")]
     pub fn add_png(&mut self, path: impl AsRef<Path>, picture: &Picture) -> Result<(), Error> {
-        let path = path.as_ref();
-        self.add(path, &picture.png(path)?)
+        let mut rows = PngRows::new(path, picture.width, picture.height)?;
+        rows.write(&picture.rgba8)?;
+        self.add_png_rows(rows)
     }
 
     /// Adds one number per pixel in the format of [`save_pfm`], for example depths, distances, or disparities in

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
+use image::{ImageBuffer, Rgba, codecs::jpeg::JpegEncoder};
 
 use super::{Batch, Packing, Picture, file::check_count, packed};
 use crate::{Error, StereoPair};
@@ -30,11 +30,12 @@ impl Picture {
             return Err(Error::Options { option: "quality", reason });
         }
         check_count(path, self.width, self.height, self.rgba8.len())?;
-        let rgb: Vec<u8> = self.rgba8.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+        let pixels = self.rgba8.as_flattened();
+        let image = ImageBuffer::<Rgba<u8>, _>::from_raw(self.width, self.height, pixels);
+        let image = image.ok_or_else(|| Error::unwritable(path, "it has too few pixels"))?;
         let mut bytes = Vec::new();
-        JpegEncoder::new_with_quality(&mut bytes, quality)
-            .encode(&rgb, self.width, self.height, ExtendedColorType::Rgb8)
-            .map_err(|error| Error::unwritable(path, error))?;
+        let encoded = JpegEncoder::new_with_quality(&mut bytes, quality).encode_image(&image);
+        encoded.map_err(|error| Error::unwritable(path, error))?;
         Ok(bytes)
     }
 }

@@ -1,7 +1,8 @@
 //! Makes anaglyphs, packings of both eyes into one picture, and files.
 //!
 //! [`anaglyph()`] and [`packed()`] take the left view, then the right view; exchanging the arguments exchanges the
-//! eyes. [`StereoPair`] has methods that pass its own views in this order.
+//! eyes. [`StereoPair`] has methods that pass its own views in this order. [`PngRows`] and [`PairRows`] write pictures
+//! whose rows arrive in parts ([`FrameBuilder::rows`](crate::FrameBuilder::rows)).
 
 mod anaglyph;
 mod batch;
@@ -12,6 +13,7 @@ mod file;
 #[cfg(feature = "jpeg")]
 mod jpeg;
 mod packing;
+mod pair_rows;
 #[cfg(any(feature = "jpeg", feature = "png"))]
 mod panorama;
 #[cfg(feature = "png")]
@@ -30,6 +32,7 @@ pub use batch::{Batch, write_whole};
 pub use calibration::calib_txt;
 pub use file::{save_ids_pfm, save_pfm};
 pub use packing::{Packing, packed};
+pub use pair_rows::{Combination, PairRows};
 #[cfg(feature = "png")]
 pub use png_rows::PngRows;
 pub use quilt::{quilt, quilt_name};

@@ -54,6 +54,17 @@ impl Packing {
             Self::Checkerboard => "checkerboard",
         }
     }
+
+    /// Returns the size of the picture of two views of `width` by `height` pixels.
+    pub fn size(self, [width, height]: [u32; 2]) -> [u32; 2] {
+        match self {
+            Self::SideBySide | Self::CrossEyed => [2 * width, height],
+            Self::HalfSideBySide => [2 * width.div_ceil(2), height],
+            Self::TopBottom => [width, 2 * height],
+            Self::HalfTopBottom => [width, 2 * height.div_ceil(2)],
+            Self::RowInterlaced | Self::ColumnInterlaced | Self::Checkerboard => [width, height],
+        }
+    }
 }
 
 by_name!(Packing, "packing");

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Batch;
 #[cfg(feature = "png")]
-use super::file::png_with_xmp;
+use super::PngRows;
 #[cfg(feature = "jpeg")]
 use super::jpeg::{segment, with_segments};
 #[cfg(feature = "jpeg")]
@@ -31,9 +31,9 @@ impl Batch {
     /// [`Error::Camera`] for a planar pose, and the errors of [`Batch::add_png`].
     #[cfg(feature = "png")]
     pub fn add_panorama_png(&mut self, path: impl AsRef<Path>, view: &View, pose: &Pose) -> Result<(), Error> {
-        let path = path.as_ref();
-        let bytes = png_with_xmp(&view.picture(), path, Some(&packet(&properties(pose)?)))?;
-        self.add(path, &bytes)
+        let mut rows = PngRows::panorama(path, pose)?;
+        rows.write(&view.rgba8)?;
+        self.add_png_rows(rows)
     }
 
     /// Adds a view of an equirectangular pair as a JPEG file that names its projection (XMP, `GPano`).
@@ -50,7 +50,7 @@ impl Batch {
     ) -> Result<(), Error> {
         let path = path.as_ref();
         let jpeg = view.picture().jpeg(path, quality)?;
-        let xmp = segment(APP1, &[XMP, packet(&properties(pose)?).as_bytes()]);
+        let xmp = segment(APP1, &[XMP, xmp(pose)?.as_bytes()]);
         self.add(path, &with_segments(&jpeg, &xmp))
     }
 
@@ -84,6 +84,11 @@ impl Batch {
         }
         self.add(path, &with_segments(&left?, &segments))
     }
+}
+
+/// Returns the XMP packet that names the projection of a pose's views.
+pub(super) fn xmp(pose: &Pose) -> Result<String, Error> {
+    Ok(packet(&properties(pose)?))
 }
 
 /// Returns the `GPano` properties of a view, as attributes. Half a turn is cropped from a full one.

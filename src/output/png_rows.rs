@@ -1,29 +1,79 @@
 //! Writes PNG files row by row, for pictures that are too large for memory.
 
 use std::{
-    io::{self, Write},
+    fs::File,
+    io::{self, Read, Seek, SeekFrom, Write},
     path::Path,
 };
 
 use super::{
     Batch,
+    batch::OpenFile,
     file::{PngKind, check_count},
+    panorama,
 };
-use crate::Error;
+use crate::{Error, Pose};
 
 /// Number of file bytes in each write.
 const CHUNK: usize = 1 << 16;
 
-/// A PNG file that is being written.
-pub struct PngRows<'a> {
-    stream: &'a mut (dyn Write + Send),
-    path: &'a Path,
+/// Type and checksum of a PNG file's last chunk, which has no content.
+const END: [u8; 8] = *b"IEND\xae\x42\x60\x82";
+
+/// A PNG file with 8 bits per channel that is written as its pixels arrive
+/// ([`FrameBuilder::rows`](crate::FrameBuilder::rows)). Only a few rows are kept in memory. The file has a temporary
+/// name until it is added to a [`Batch`], and is removed if it is dropped before.
+///
+/// ```
+/// use stereotrace::output::{Batch, PngRows};
+///
+/// let path = std::env::temp_dir().join("rows.png");
+/// let mut file = PngRows::new(&path, 640, 480)?;
+/// for _ in 0..480 {
+///     file.write(&[[0, 0, 255, 255]; 640])?;
+/// }
+/// let mut batch = Batch::new();
+/// batch.add_png_rows(file)?;
+/// batch.commit()?;
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+pub struct PngRows {
+    stream: png::StreamWriter<'static, File>,
+    open: OpenFile,
     size: [u32; 2],
     /// Number of pixels written.
     written: usize,
 }
 
-impl PngRows<'_> {
+impl PngRows {
+    /// Creates a file for a picture of this size, as sRGB with alpha.
+    ///
+    /// # Errors
+    /// [`Error::Io`], naming `path`, if it can't be written, is read-only, or is a folder, or the picture has no
+    /// pixels.
+    pub fn new(path: impl AsRef<Path>, width: u32, height: u32) -> Result<Self, Error> {
+        Self::with_xmp(path.as_ref(), [width, height], None)
+    }
+
+    /// Creates a file for a view of an equirectangular pair, which names its projection (XMP, `GPano`).
+    ///
+    /// # Errors
+    /// As [`PngRows::new`], and [`Error::Camera`] for a planar pose.
+    pub fn panorama(path: impl AsRef<Path>, pose: &Pose) -> Result<Self, Error> {
+        Self::with_xmp(path.as_ref(), pose.size, Some(panorama::xmp(pose)?))
+    }
+
+    fn with_xmp(path: &Path, [width, height]: [u32; 2], xmp: Option<String>) -> Result<Self, Error> {
+        let kind = PngKind { color: png::ColorType::Rgba, depth: png::BitDepth::Eight, is_srgb: true };
+        let open = OpenFile::create(path)?;
+        let file = open.file.try_clone().map_err(|error| Error::io(path, error))?;
+        let mut encoder = kind.encoder(file, width, height);
+        let noted = xmp.map_or(Ok(()), |xmp| encoder.add_itxt_chunk("XML:com.adobe.xmp".into(), xmp));
+        let stream = noted.and_then(|()| encoder.write_header()?.into_stream_writer_with_size(CHUNK));
+        let stream = stream.map_err(|error| Error::unwritable(path, error))?;
+        Ok(Self { stream, open, size: [width, height], written: 0 })
+    }
+
     /// Writes the next pixels, row-major from the top, as sRGB with alpha. A call may end within a row.
     ///
     /// # Errors
@@ -33,61 +83,47 @@ impl PngRows<'_> {
         if self.written as u64 > u64::from(self.size[0]) * u64::from(self.size[1]) {
             self.check_whole()?;
         }
-        self.stream.write_all(rgba8.as_flattened()).map_err(|error| Error::io(self.path, error))
+        self.stream.write_all(rgba8.as_flattened()).map_err(|error| Error::io(&self.open.path, error))
     }
 
     /// # Errors
     /// [`Error::Io`] unless exactly all pixels have been written.
     fn check_whole(&self) -> Result<(), Error> {
-        check_count(self.path, self.size[0], self.size[1], self.written)
+        check_count(&self.open.path, self.size[0], self.size[1], self.written)
+    }
+}
+
+impl std::fmt::Debug for PngRows {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { open, size, written, .. } = self;
+        let mut shown = formatter.debug_struct("PngRows");
+        shown.field("path", &open.path).field("size", size).field("written", written).finish_non_exhaustive()
     }
 }
 
 impl Batch {
-    /// Adds a PNG file with 8 bits per channel whose pixels `write` provides as they arrive
-    /// ([`FrameBuilder::rows`](crate::FrameBuilder::rows)). Only a few rows are kept in memory.
+    /// Adds a PNG file whose pixels have all been written.
     ///
     /// # Errors
-    /// Any error of `write`; [`Error::Io`], naming `path`, as [`Batch::add`], and if `write` provides fewer pixels than
-    /// the picture has.
-    pub fn add_png_rows(
-        &mut self,
-        path: impl AsRef<Path>,
-        width: u32,
-        height: u32,
-        write: impl FnOnce(&mut PngRows<'_>) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let path = path.as_ref();
-        let mut failed = None;
-        let staged = self.add_with(path, |file| {
-            let result = stream(path, file, [width, height], write);
-            result.map_err(|error| {
-                failed = Some(error);
-                io::Error::other("not whole")
-            })
-        });
-        match failed {
-            Some(error) => Err(error),
-            None => staged,
+    /// [`Error::Io`], naming its path, if it can't be written, or has fewer pixels than its size.
+    pub fn add_png_rows(&mut self, rows: PngRows) -> Result<(), Error> {
+        rows.check_whole()?;
+        let PngRows { stream, mut open, .. } = rows;
+        stream.finish().map_err(|error| Error::unwritable(&open.path, error))?;
+        match has_end(&mut open.file) {
+            Ok(true) => self.close(open),
+            Ok(false) => Err(Error::unwritable(&open.path, "its last bytes could not be written")),
+            Err(error) => Err(Error::io(&open.path, error)),
         }
     }
 }
 
-fn stream(
-    path: &Path,
-    file: &mut (dyn Write + Send),
-    size: [u32; 2],
-    write: impl FnOnce(&mut PngRows<'_>) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let unwritable = |error: png::EncodingError| Error::unwritable(path, error);
-    let kind = PngKind { color: png::ColorType::Rgba, depth: png::BitDepth::Eight, is_srgb: true };
-    let mut writer = kind.encoder(file, size[0], size[1]).write_header().map_err(unwritable)?;
-    let mut stream = writer.stream_writer_with_size(CHUNK).map_err(unwritable)?;
-    let mut rows = PngRows { stream: &mut stream, path, size, written: 0 };
-    write(&mut rows)?;
-    rows.check_whole()?;
-    stream.finish().map_err(unwritable)?;
-    writer.finish().map_err(unwritable)
+/// Returns whether the file has its last chunk. The encoder drops the error of that write.
+fn has_end(file: &mut File) -> io::Result<bool> {
+    let mut last = [0; END.len()];
+    file.seek(SeekFrom::End(-(END.len() as i64)))?;
+    file.read_exact(&mut last)?;
+    Ok(last == END)
 }
 
 #[cfg(test)]
@@ -100,8 +136,9 @@ mod tests {
         let folder = Folder::new("png_rows");
         let pixels: Vec<[u8; 4]> = (0..7 * 300_u32).map(|n| [n as u8, (n >> 3) as u8, (n % 251) as u8, 255]).collect();
         let mut batch = Batch::new();
-        let in_parts = |rows: &mut PngRows<'_>| pixels.chunks(1000).try_for_each(|part| rows.write(part));
-        batch.add_png_rows(folder.file("a.png"), 7, 300, in_parts).unwrap();
+        let mut rows = PngRows::new(folder.file("a.png"), 7, 300).unwrap();
+        pixels.chunks(1000).for_each(|part| rows.write(part).unwrap());
+        batch.add_png_rows(rows).unwrap();
         batch.commit().unwrap();
         let read = image::open(folder.file("a.png")).unwrap().into_rgba8();
         assert_eq!(read.dimensions(), (7, 300));
@@ -112,14 +149,14 @@ mod tests {
     fn a_picture_that_is_not_whole_is_none() {
         let folder = Folder::new("png_rows_fault");
         let path = folder.file("a.png");
-        let attempt = |pixels: usize, after: Result<(), Error>| {
-            let write = |rows: &mut PngRows<'_>| rows.write(&vec![[0; 4]; pixels]).and(after);
-            Batch::new().add_png_rows(&path, 4, 4, write).unwrap_err().to_string()
+        let attempt = |pixels: usize| {
+            let mut rows = PngRows::new(&path, 4, 4).unwrap();
+            let written = rows.write(&vec![[0; 4]; pixels]);
+            written.and_then(|()| Batch::new().add_png_rows(rows)).unwrap_err().to_string()
         };
-        assert!(attempt(12, Ok(())).ends_with("a.png: a picture of 4x4 cannot be written from 12 pixels"));
-        assert!(attempt(17, Ok(())).ends_with("a.png: a picture of 4x4 cannot be written from 17 pixels"));
-        assert_eq!(attempt(12, Err(Error::Cancelled)), Error::Cancelled.to_string());
-        assert!(Batch::new().add_png_rows(&path, 0, 4, |_| Ok(())).is_err());
+        assert!(attempt(12).ends_with("a.png: a picture of 4x4 cannot be written from 12 pixels"));
+        assert!(attempt(17).ends_with("a.png: a picture of 4x4 cannot be written from 17 pixels"));
+        assert!(PngRows::new(&path, 0, 4).unwrap_err().to_string().contains("a.png"));
         assert!(folder.names().is_empty(), "{:?}", folder.names());
     }
 }

@@ -86,36 +86,14 @@ impl<'a, C> FrameBuilder<'a, C> {
 }
 
 impl<C: Clone + Into<Rig>> FrameBuilder<'_, C> {
-    /// Renders the frame and passes the rows of its views to `on_rows` as they are done, from the top down, some dozens
-    /// at a time. Neither device nor host holds more than a band of rows, so pictures may have any height. The returned
-    /// views have no rows, but all other results.
-    ///
-    /// ```
-    /// use stereotrace::{Builtin, Gpu, Renderer, blocking::Wait};
-    ///
-    /// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(96, 200));
-    /// let mut renderer = Renderer::new(Gpu::new().wait()?);
-    /// let uploaded = renderer.upload(&scene).wait()?;
-    /// let mut rows = 0;
-    /// let mut count = |band: stereotrace::Rows| {
-    ///     assert_eq!(band.first, rows);
-    ///     rows += band.views[0].view.height;
-    ///     Ok(())
-    /// };
-    /// renderer.pair(&uploaded, &camera).rows(&mut count).wait()?;
-    /// assert_eq!(rows, 200);
-    /// # Ok::<(), stereotrace::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// As [`FrameBuilder::read`], [`Error::Rig`] for toed-in eyes, and any error of `on_rows`, which ends the frame.
-    pub async fn rows(self, on_rows: &mut OnRows<'_>) -> Result<Views, Error> {
+    /// Renders the frame, and returns its results with views without rows.
+    async fn in_rows(self, on_rows: &mut OnRows<'_>) -> Result<(Done, Vec<ViewRows>), Error> {
         let Self { renderer, scene, cameras, options, mut progress } = self;
         options.check_parts(false)?;
         let eyes = cameras.clone().into().eyes(scene.origin)?;
         let done = renderer.sampled(scene, &eyes, &options, true, &mut *progress, on_rows).await?;
         let nothing = (0..eyes.sources.len()).map(|_| ViewRows::new(eyes.pose.size[0])).collect();
-        Ok(Views::of(done, nothing))
+        Ok((done, nothing))
     }
 
     /// Encodes the frame into the caller's encoder. Its views stay on the device, and nothing is read back. The call
@@ -166,6 +144,15 @@ impl FrameBuilder<'_, Rig> {
         self.views(None).await
     }
 
+    /// Renders the frame in parts, as [`FrameBuilder::<StereoCamera>::rows`] does. The returned views have no rows, but
+    /// all other results.
+    ///
+    /// # Errors
+    /// As [`FrameBuilder::<StereoCamera>::rows`].
+    pub async fn rows(self, on_rows: &mut OnRows<'_>) -> Result<Views, Error> {
+        self.in_rows(on_rows).await.map(|(done, nothing)| Views::of(done, nothing))
+    }
+
     /// Renders one more pass, and returns the mean of all passes.
     ///
     /// # Errors
@@ -193,6 +180,34 @@ impl FrameBuilder<'_, StereoCamera> {
     /// As [`FrameBuilder::<Rig>::read`], without [`Error::Rig`].
     pub async fn read(self) -> Result<StereoPair, Error> {
         self.both(None).await
+    }
+
+    /// Renders the frame and passes the rows of its views to `on_rows` as they are done, from the top down, some dozens
+    /// at a time. Neither device nor host holds more than a band of rows, so pictures may have any height. The returned
+    /// pair has no rows, but all other results.
+    ///
+    /// ```
+    /// use stereotrace::{Builtin, Gpu, Renderer, blocking::Wait};
+    ///
+    /// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(96, 200));
+    /// let mut renderer = Renderer::new(Gpu::new().wait()?);
+    /// let uploaded = renderer.upload(&scene).wait()?;
+    /// let mut rows = 0;
+    /// let mut count = |band: stereotrace::Rows| {
+    ///     assert_eq!(band.first, rows);
+    ///     rows += band.views[0].view.height;
+    ///     Ok(())
+    /// };
+    /// renderer.pair(&uploaded, &camera).rows(&mut count).wait()?;
+    /// assert_eq!(rows, 200);
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`FrameBuilder::<Rig>::read`], [`Error::Rig`] for toed-in eyes, [`Error::Options`] for options that need
+    /// whole pictures, and any error of `on_rows`, which ends the frame.
+    pub async fn rows(self, on_rows: &mut OnRows<'_>) -> Result<StereoPair, Error> {
+        self.in_rows(on_rows).await.map(|(done, nothing)| StereoPair::of(done, nothing))
     }
 
     /// Renders one more pass, and returns the mean of all passes ([`Passes`]).

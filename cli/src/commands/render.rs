@@ -2,21 +2,32 @@
 
 use std::{
     error::Error,
+    ops::ControlFlow,
     path::{Path, PathBuf},
     thread,
     time::{Duration, Instant, SystemTime},
 };
 
 use clap::Args;
-use stereotrace::{GroundTruth, Lighting, Method, StereoPair, blocking::Wait, metrics::compare, output::Batch};
+use stereotrace::{
+    GBuffer, GroundTruth, Lighting, Method, Options, Projection, StereoPair,
+    blocking::Wait,
+    metrics::{Difference, compare},
+    output::Batch,
+};
 
 use super::report::{Report, WallTimes};
 use crate::{
-    arguments::{Global, Purpose, Subject, above_zero},
+    arguments::{Global, Purpose, Stage, Subject, above_zero},
+    pictures::Pictures,
     progress::Progress,
+    stop::{Interrupted, Stop},
     summary::Summary,
-    target::{EyesArguments, Target, add_pair, add_view, is_open_exr},
+    target::{EyesArguments, Target, add_pair, is_open_exr, is_single_picture},
 };
+
+/// Error of a run that a signal ended.
+const INTERRUPTED: Interrupted = Interrupted { done: 0, of: 1, can_go_on: false };
 
 /// Interval at which --watch checks the files.
 const GLANCE: Duration = Duration::from_millis(250);
@@ -64,101 +75,138 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     if let (Target::File(_), Some(option)) = (&target, arguments.folder_option()) {
         return Err(format!("{option} writes many files; --out must be a folder").into());
     }
-    if arguments.watch {
-        return watch(arguments, &target, global);
-    }
-    once(arguments, &target, global)
+    let job = Job { arguments, target, stop: Stop::on_signals()? };
+    if arguments.watch { job.watch(global) } else { job.once(global) }
 }
 
-/// Renders now and after each change of an input file, until the program is stopped. Errors are printed, and the loop
-/// waits for the next change.
-fn watch(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summary, Box<dyn Error>> {
-    let files = arguments.subject.files();
-    if files.is_empty() {
-        return Err("--watch: no input file is read, so there is nothing to watch".into());
-    }
-    let changed = || -> Vec<Option<SystemTime>> {
-        files.iter().map(|file| file.metadata().and_then(|data| data.modified()).ok()).collect()
-    };
-    loop {
-        let before = changed();
-        match once(arguments, target, global) {
-            Ok(summary) => summary.print(global)?,
-            Err(error) => crate::complain(&error.to_string()),
-        }
-        while changed() == before {
-            thread::sleep(GLANCE);
-        }
-    }
+/// What to render, and where to.
+struct Job<'a> {
+    arguments: &'a Arguments,
+    target: Target,
+    stop: Stop,
 }
 
-fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summary, Box<dyn Error>> {
-    let purpose = if arguments.compare { Purpose::Data } else { Purpose::Pictures };
-    let mut stage = arguments.subject.open(purpose, global)?;
-    let begin = Instant::now();
-    let is_open_exr = matches!(target, Target::File(file) if is_open_exr(file));
-    let has_albedo = is_open_exr && stage.options.lighting != Lighting::Direct && stage.options.adaptive.is_none();
-    let options = stage.options.clone().cost_map(arguments.dump).linear(is_open_exr).albedo(has_albedo);
-    let mut progress = Progress::new(global, 1);
-    let pair = stage.render(stage.camera, options, &mut progress);
-    progress.clear();
-    let pair = pair?;
-    let wall = WallTimes { read: stage.read, build: stage.build, render: begin.elapsed() };
-
-    let difference = match arguments.compare {
-        true => {
-            let truth = stage.options.clone().method(Method::Naive).count(false).shadow_buffer(None);
-            let naive = stage.renderer.pair(&stage.uploaded, &stage.camera).options(&truth).read().wait()?;
-            Some(compare(&pair.right, &naive.right, &pair.pose)?)
+impl Job<'_> {
+    /// Renders now and after each change of an input file, until the program is stopped. Errors are printed, and the
+    /// loop waits for the next change.
+    fn watch(&self, global: &Global) -> Result<Summary, Box<dyn Error>> {
+        let files = self.arguments.subject.files();
+        if files.is_empty() {
+            return Err("--watch: no input file is read, so there is nothing to watch".into());
         }
-        false => None,
-    };
-    let mut batch = Batch::new();
-    let eyes = arguments.eyes.suiting(&pair.pose);
-    match target {
-        Target::File(file) => {
-            // Ground truth describes the surfaces at pixel centres. Not all methods show these surfaces.
-            let is_exact = matches!(pair.statistics.method, Method::Naive | Method::Bracket(_));
-            let truth = (is_open_exr && is_exact)
-                .then(|| stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair).wait());
-            add_pair(&mut batch, file, &pair, truth.transpose()?.as_ref(), &eyes)?;
-        }
-        Target::Folder(folder) => {
-            add_pictures(&mut batch, (&eyes, arguments.dump), (&pair, &stage.name), folder)?;
-            if arguments.ground_truth {
-                add_truth(
-                    &mut batch,
-                    &stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair).wait()?,
-                    folder,
-                )?;
+        let changed = || -> Vec<Option<SystemTime>> {
+            files.iter().map(|file| file.metadata().and_then(|data| data.modified()).ok()).collect()
+        };
+        loop {
+            let before = changed();
+            match self.once(global) {
+                Ok(summary) => summary.print(global)?,
+                Err(error) if error.is::<Interrupted>() => return Err(error),
+                Err(error) => crate::complain(&error.to_string()),
+            }
+            while changed() == before {
+                if self.stop.is_asked_for() {
+                    return Err(INTERRUPTED.into());
+                }
+                thread::sleep(GLANCE);
             }
         }
     }
-    let files = batch.commit()?;
-    let report = Report { arguments, stage: &stage, pair: &pair, wall, difference, files: &files };
-    Ok(report.summary())
+
+    fn once(&self, global: &Global) -> Result<Summary, Box<dyn Error>> {
+        let arguments = self.arguments;
+        let purpose = if arguments.compare { Purpose::Data } else { Purpose::Pictures };
+        let mut stage = arguments.subject.open(purpose, global)?;
+        let begin = Instant::now();
+        let pose = stage.camera.pose()?;
+        let eyes = arguments.eyes.suiting(&pose);
+        let mut pictures = Pictures::new(&self.target, &eyes, &pose, &stage.name)?;
+        let mut progress = Progress::new(global, 1);
+        let mut show = |now| if self.stop.is_asked_for() { ControlFlow::Break(()) } else { progress.show(now) };
+        let options = self.options(&stage);
+        let needs_whole_pair = self.needs_whole_pair(&stage);
+        let frame = stage.renderer.pair(&stage.uploaded, &stage.camera).options(&options).progress(&mut show);
+        let pair = match needs_whole_pair {
+            true => frame.read().wait(),
+            false => frame.rows(&mut |rows| pictures.write(&rows.views[0].view, &rows.views[1].view)).wait(),
+        };
+        progress.clear();
+        let pair = match pair {
+            Err(stereotrace::Error::Cancelled) => return Err(INTERRUPTED.into()),
+            other => other?,
+        };
+        let wall = WallTimes { read: stage.read, build: stage.build, render: begin.elapsed() };
+        if needs_whole_pair {
+            pictures.write(&pair.left, &pair.right)?;
+        }
+        let (seen, mut batch) = (pictures.seen, Batch::new());
+        pictures.add_to(&mut batch)?;
+        if needs_whole_pair {
+            self.add_rest(&mut batch, &mut stage, &pair, &eyes)?;
+        }
+        let difference = arguments.compare.then(|| difference_to_naive(&mut stage, &pair)).transpose()?;
+        let files = batch.commit()?;
+        let StereoPair { pose, statistics, .. } = &pair;
+        Ok(Report { arguments, stage: &stage, pose, statistics, seen, wall, difference, files: &files }.summary())
+    }
+
+    /// Returns the options of the frame.
+    fn options(&self, stage: &Stage) -> Options {
+        let options = stage.options.clone();
+        let is_open_exr = matches!(&self.target, Target::File(file) if is_open_exr(file));
+        let has_albedo = is_open_exr && options.lighting != Lighting::Direct && options.adaptive.is_none();
+        let needs_ids = self.needs_whole_pair(stage);
+        let g_buffer = if needs_ids { GBuffer::Ids } else { GBuffer::Depth };
+        options.cost_map(self.arguments.dump).linear(is_open_exr).albedo(has_albedo).g_buffer(g_buffer)
+    }
+
+    /// Returns whether the files, or the options, need all rows at the same time.
+    fn needs_whole_pair(&self, stage: &Stage) -> bool {
+        let Arguments { compare, dump, ground_truth, .. } = *self.arguments;
+        let has_pictures_only = match &self.target {
+            Target::Folder(_) => !dump && !ground_truth,
+            Target::File(file) => is_single_picture(file),
+        };
+        let is_toed_in = stage.camera.projection_kind() == Projection::ToeIn;
+        !has_pictures_only || compare || stage.options.denoise || is_toed_in
+    }
+
+    /// Adds the files that need the whole pair.
+    fn add_rest(
+        &self,
+        batch: &mut Batch,
+        stage: &mut Stage,
+        pair: &StereoPair,
+        eyes: &EyesArguments,
+    ) -> Result<(), Box<dyn Error>> {
+        let mut truth = || stage.renderer.ground_truth(&stage.uploaded, &stage.scene, pair).wait();
+        match &self.target {
+            Target::File(file) if is_single_picture(file) => {}
+            Target::File(file) => {
+                // Ground truth describes the surfaces at pixel centres. Not all methods show these surfaces.
+                let is_exact = matches!(pair.statistics.method, Method::Naive | Method::Bracket(_));
+                let truth = (is_open_exr(file) && is_exact).then(&mut truth).transpose()?;
+                add_pair(batch, file, pair, truth.as_ref(), eyes)?;
+            }
+            Target::Folder(folder) => {
+                if self.arguments.dump {
+                    let (left, right) = eyes.ordered(&pair.left, &pair.right);
+                    add_maps(batch, pair, [("left", left), ("right", right)], folder)?;
+                }
+                if self.arguments.ground_truth {
+                    add_truth(batch, &truth()?, folder)?;
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
-/// Adds the pictures of a folder: both views, the anaglyph, the packing and the maps of --dump.
-fn add_pictures(
-    batch: &mut Batch,
-    (eyes, dump): (&EyesArguments, bool),
-    (pair, scene): (&StereoPair, &str),
-    folder: &Path,
-) -> Result<(), Box<dyn Error>> {
-    let (left, right) = eyes.ordered(&pair.left, &pair.right);
-    add_view(batch, &folder.join("left.png"), left, &pair.pose)?;
-    add_view(batch, &folder.join("right.png"), right, &pair.pose)?;
-    let anaglyph = EyesArguments { packing: None, ..eyes.clone() };
-    batch.add_png(folder.join("anaglyph.png"), &anaglyph.picture(&pair.left, &pair.right))?;
-    if let Some(packing) = eyes.packing {
-        let name = EyesArguments::packed_name(packing, &pair.pose, scene);
-        batch.add_png(folder.join(name + ".png"), &eyes.picture(&pair.left, &pair.right))?;
-    }
-    if dump {
-        add_maps(batch, pair, [("left", left), ("right", right)], folder)?;
-    }
-    Ok(())
+/// Compares the right view with the right view of `naive`.
+fn difference_to_naive(stage: &mut Stage, pair: &StereoPair) -> Result<Difference, stereotrace::Error> {
+    let truth = stage.options.clone().method(Method::Naive).count(false).shadow_buffer(None);
+    let naive = stage.renderer.pair(&stage.uploaded, &stage.camera).options(&truth).read().wait()?;
+    compare(&pair.right, &naive.right, &pair.pose)
 }
 
 /// Adds the ground truth of both views. KITTI's disparities are added for parallel cameras only: with a finite screen

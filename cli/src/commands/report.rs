@@ -8,13 +8,13 @@ use std::{
 
 use serde_json::{Value, json};
 use stereotrace::{
-    Comfort, Lighting, MISS, Statistics, StereoPair, Work,
+    Comfort, Lighting, Pose, Statistics, Work,
     message::{counted, escaped, noun},
     metrics::Difference,
 };
 
 use super::render::Arguments;
-use crate::{arguments::Stage, summary::Summary};
+use crate::{arguments::Stage, pictures::Seen, summary::Summary};
 
 /// Elapsed wall-clock times.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,9 @@ pub(crate) struct WallTimes {
 pub(crate) struct Report<'a> {
     pub(crate) arguments: &'a Arguments,
     pub(crate) stage: &'a Stage,
-    pub(crate) pair: &'a StereoPair,
+    pub(crate) pose: &'a Pose,
+    pub(crate) statistics: &'a Statistics,
+    pub(crate) seen: Seen,
     pub(crate) wall: WallTimes,
     /// Difference between the right view and the right view of `naive`, if --compare is given.
     pub(crate) difference: Option<Difference>,
@@ -40,7 +42,7 @@ pub(crate) struct Report<'a> {
 
 impl Display for Report<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let (pose, statistics) = (&self.pair.pose, &self.pair.statistics);
+        let (pose, statistics) = (self.pose, self.statistics);
         line(f, "adapter", self.stage.renderer.gpu().adapter_name())?;
         line(f, "scene", scene_line(self.stage))?;
         let [width, height] = pose.size;
@@ -59,7 +61,7 @@ impl Display for Report<'_> {
         if let Some(difference) = &self.difference {
             difference_lines(f, difference)?;
         }
-        if self.pair.left.primitive.iter().all(|id| *id == MISS) {
+        if self.seen.only_sky {
             line(f, "warning", "the left eye sees only sky: check --eye and --target")?;
         }
 
@@ -84,7 +86,7 @@ impl Report<'_> {
 
     /// Returns the report as JSON: lengths in world units, times in milliseconds.
     fn json(&self) -> Value {
-        let (pose, statistics, scene) = (&self.pair.pose, &self.pair.statistics, &self.stage.scene);
+        let (pose, statistics, scene) = (self.pose, self.statistics, &self.stage.scene);
         let passes = statistics.times.as_ref().map(|times| {
             Vec::from_iter(times.passes.iter().map(|(pass, time)| json!({ "pass": pass, "ms": milliseconds(*time) })))
         });
@@ -133,17 +135,16 @@ impl Report<'_> {
     }
 
     fn is_around(&self) -> bool {
-        self.pair.pose.projection.equirectangular().is_some()
+        self.pose.projection.equirectangular().is_some()
     }
 
     fn comfort(&self) -> Comfort {
-        let ranges = [&self.pair.left, &self.pair.right].map(|view| view.depth_range());
-        let (nearest, farthest) = (ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1));
-        self.pair.pose.comfort(nearest, farthest, self.arguments.display_width)
+        let (nearest, farthest) = self.seen.depths;
+        self.pose.comfort(nearest, farthest, self.arguments.display_width)
     }
 
     fn time_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match &self.pair.statistics.times {
+        match &self.statistics.times {
             None => line(f, "passes", "no timestamps")?,
             Some(times) => {
                 let total = [("together", times.total())];
@@ -159,7 +160,7 @@ impl Report<'_> {
     }
 
     fn work_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let statistics = &self.pair.statistics;
+        let statistics = self.statistics;
         line(f, "rays", format!("{:<6}{:>12}{:>14}{:>12}{:>12}", "", "primary", "verification", "shadow", "all"))?;
         let eyes = [("left", &statistics.left), ("right", &statistics.right)];
         for (eye, work) in eyes {
@@ -185,7 +186,7 @@ impl Report<'_> {
     }
 
     fn method_line(&self) -> String {
-        let (method, statistics) = (self.stage.options.method, &self.pair.statistics);
+        let (method, statistics) = (self.stage.options.method, self.statistics);
         match statistics.buffer_depth {
             0 => method.to_string(),
             slots => {
