@@ -12,6 +12,7 @@ use stereotrace::{
 
 use super::{
     rounds::{Spread, order},
+    sampled::Sampled,
     scenes::BenchScene,
 };
 
@@ -28,6 +29,7 @@ pub struct Plan {
     pub around: bool,
     /// Number of lights to place. With `None`, built-in scenes keep their own lights.
     pub lights: Option<usize>,
+    pub sampled: Sampled,
     /// Compared methods. Naive is the first and ideal the second, since the others are compared with them.
     pub methods: Vec<Method>,
     pub warm_ups: usize,
@@ -105,13 +107,14 @@ pub fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Resu
     for round in 0..plan.warm_ups + plan.rounds {
         let timed = round >= plan.warm_ups;
         for index in order(round, plan.methods.len()) {
-            let sample = time(renderer, &lit, camera, plan.methods[index])?;
+            let options = plan.sampled.options(plan.methods[index]);
+            let sample = time(renderer, &lit, camera, &options)?;
             samples[index].extend(timed.then_some(sample));
         }
     }
 
     let counting = |renderer: &mut Renderer, method| {
-        renderer.pair(&lit, camera).options(&Options::new(method).count(true)).read().wait()
+        renderer.pair(&lit, camera).options(&plan.sampled.options(method).count(true)).read().wait()
     };
     let naive = counting(renderer, Method::Naive)?;
     let mut methods = Vec::new();
@@ -148,10 +151,10 @@ fn time(
     renderer: &mut Renderer,
     scene: &UploadedScene,
     camera: &StereoCamera,
-    method: Method,
+    options: &Options,
 ) -> Result<Sample, stereotrace::Error> {
     let start = Instant::now();
-    let statistics = renderer.pair(scene, camera).options(&Options::new(method)).trace().wait()?;
+    let statistics = renderer.pair(scene, camera).options(options).trace().wait()?;
     let wall = milliseconds(start);
     let Some(times) = statistics.times else { return Ok(Sample { pair: wall, left: None, passes: Vec::new(), wall }) };
     let passes: Vec<_> = times.passes.iter().map(|(pass, time)| (*pass, time.as_secs_f64() * 1e3)).collect();

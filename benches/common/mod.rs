@@ -11,5 +11,6 @@ pub mod options;
 pub mod provenance;
 pub mod records;
 pub mod rounds;
+pub mod sampled;
 pub mod scenes;
 pub mod text;

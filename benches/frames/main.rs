@@ -18,7 +18,7 @@ use std::{error::Error, fs, process::ExitCode};
 use clap::Parser;
 use serde_json::json;
 use stereotrace::{
-    Gpu, Light, Lighting, Method, Options, Renderer, ShadowReuse, StereoCamera, StereoPair, UploadedScene,
+    Gpu, Method, Options, Renderer, ShadowReuse, StereoCamera, StereoPair, UploadedScene,
     blocking::Wait,
     glam::{DQuat, DVec3},
     metrics::compare,
@@ -31,6 +31,7 @@ use crate::common::{
     provenance::Provenance,
     records::{self, Record},
     rounds::{Spread, order},
+    sampled::{self, Sampled},
     scenes::{self, BenchScene},
 };
 
@@ -111,31 +112,10 @@ impl Path {
 const CONVERGED: u32 = 8;
 const MOST_RAYS: u32 = 32;
 const MOST_PATHS: u32 = 128;
-const BOUNCES: u32 = 2;
 
-/// The light that is sampled: the number of rays to each light, and of paths.
-#[derive(Clone, Copy, Default)]
-struct Sampled {
-    soft: Option<u32>,
-    paths: Option<u32>,
-}
-
-impl Sampled {
-    fn is_any(self) -> bool {
-        self.soft.is_some() || self.paths.is_some()
-    }
-
-    fn options(self, method: Method) -> Options {
-        let options = Options::new(method).shadow_rays(self.soft.unwrap_or(1)).linear(self.is_any());
-        match self.paths {
-            Some(samples) => options.lighting(Lighting::Paths { bounces: BOUNCES, samples }),
-            None => options,
-        }
-    }
-
-    fn converged(self) -> Self {
-        Self { soft: self.soft.map(|_| MOST_RAYS), paths: self.paths.map(|_| MOST_PATHS) }
-    }
+/// Returns the most samples of the same light.
+fn converged(sampled: Sampled) -> Sampled {
+    Sampled { soft: sampled.soft.map(|_| MOST_RAYS), paths: sampled.paths.map(|_| MOST_PATHS) }
 }
 
 /// A method, with or without a history. Naive is the first.
@@ -198,7 +178,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         match scenes::load(name, size, arguments.e * size[0] as f32 / 600.0, None)? {
             Some(mut scene) => {
                 if arguments.soft.is_some() {
-                    soften(&mut scene)?;
+                    sampled::soften(&mut scene)?;
                 }
                 films.extend(measure(&mut renderer, &scene, frames, sampled)?);
             }
@@ -255,15 +235,6 @@ impl Film {
         let methods = methods(Sampled::default());
         methods.iter().map(|(method, _)| *method).zip(&self.figures).zip(&times).map(record).collect()
     }
-}
-
-/// Makes all lights spheres.
-fn soften(BenchScene { scene, camera, .. }: &mut BenchScene) -> Result<(), Box<dyn Error>> {
-    let radius = 0.05 * camera.target_position().distance(camera.pose()?.eye) as f32;
-    for light in &mut scene.lights {
-        *light = Light::sphere(light.position, radius, light.intensity);
-    }
-    Ok(())
 }
 
 /// Renders the films of a scene, and prints their rows.
@@ -371,7 +342,7 @@ fn converged_light(
 ) -> Result<Vec<f64>, stereotrace::Error> {
     let mut sum = Vec::new();
     for seed in 1..=CONVERGED {
-        let options = sampled.converged().options(Method::Naive).seed(seed);
+        let options = converged(sampled).options(Method::Naive).seed(seed);
         let light = light_of(&renderer.pair(scene, camera).options(&options).read().wait()?);
         sum.resize(light.len(), 0.0);
         sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light / f64::from(CONVERGED));

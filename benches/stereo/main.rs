@@ -21,7 +21,7 @@ use crate::{
     common::{
         measure::{self, Measured},
         provenance::Provenance,
-        scenes,
+        sampled, scenes,
     },
     options::Options,
 };
@@ -38,6 +38,9 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     for name in options.scenes() {
         match scenes::load(&name, plan.size, plan.e_px, plan.lights)? {
             Some(mut scene) => {
+                if plan.sampled.soft.is_some() {
+                    sampled::soften(&mut scene)?;
+                }
                 scene.camera = options.projected(scene.camera);
                 let figures = measure::measure(&mut renderer, &scene, &plan)?;
                 println!("{}", tables::of(&figures, &plan, &provenance));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 use stereotrace::{Equirectangular, Method, Projection, Span, StereoCamera, camera::HUMAN_INTERAXIAL};
 
-use crate::common::{measure::Plan, options::size};
+use crate::common::{measure::Plan, options::size, sampled::Sampled};
 
 /// Default scenes: built-in ones and two of the OBJ files.
 const SCENES: [&str; 8] = ["spheres", "hall", "fence", "hidden", "near", "grazing", "sponza_4x", "dragon"];
@@ -30,6 +30,12 @@ pub(crate) struct Options {
     /// Place this many lights by the library's rule [default: built-in scenes keep their own five, files get five]
     #[arg(long, value_name = "N")]
     lights: Option<usize>,
+    /// Makes all lights spheres, with a radius of a twentieth of the camera's distance, sampled by so many rays
+    #[arg(long, value_name = "RAYS", value_parser = clap::value_parser!(u32).range(1..=32))]
+    soft: Option<u32>,
+    /// Follows so many paths of light per pixel, with two bounces
+    #[arg(long, value_name = "PATHS", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    paths: Option<u32>,
     /// Number of timed rounds, after two warm-up rounds [default: 7]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     rounds: Option<u32>,
@@ -68,6 +74,7 @@ impl Options {
             around: self.around,
             e_px: self.e.unwrap_or(15.0 * size[0] as f32 / 600.0),
             lights: self.lights,
+            sampled: Sampled { soft: self.soft, paths: self.paths },
             methods,
             warm_ups: if quick { 1 } else { 2 },
             rounds: self.rounds.map_or(if quick { 2 } else { 7 }, |rounds| rounds as usize),

@@ -48,6 +48,8 @@ fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &P
         ("height", json!(plan.size[1])),
         ("e_px", json!((!plan.around).then_some(plan.e_px))),
         ("lights", json!(scene.lights)),
+        ("rays_to_a_light", json!(plan.sampled.soft)),
+        ("paths", json!(plan.sampled.paths)),
         ("triangles", json!(scene.triangles)),
         ("spheres", json!(scene.spheres)),
         ("rounds", json!(plan.rounds)),

@@ -15,11 +15,12 @@ pub(crate) fn of(measured: &Measured, plan: &Plan, provenance: &Provenance) -> S
     let _ = writeln!(text, "{provenance}");
     let _ = writeln!(
         text,
-        "{width}x{height}, {} triangles, {} spheres, {}, {} lights, {} rounds after {} to warm up\n",
+        "{width}x{height}, {} triangles, {} spheres, {}, {} lights{}, {} rounds after {} to warm up\n",
         grouped(measured.triangles as u64),
         grouped(measured.spheres as u64),
         plan.eyes(),
         measured.lights,
+        plan.sampled.text(),
         plan.rounds,
         plan.warm_ups,
     );

@@ -108,6 +108,29 @@ fn what_is_done_shows_and_what_is_written_is_made_again() {
 
 #[test]
 #[ignore = "needs a display: scripts/check_view.sh"]
+fn a_head_turns_inside_an_equirectangular_pair_without_another_frame() {
+    let folder = Folder::new("window");
+    let shots = ["ahead", "turned", "near"].map(|name| folder.file(&format!("{name}.png")));
+    let [ahead, turned, near] = shots.each_ref().map(|path| text(path));
+    let (out, again) = (folder.file("out"), folder.file("again.png"));
+    let steps = format!(
+        "size 200x120\nwait\nshot {ahead}\ndrag left 70 9\nshot {turned}\nwheel 3\nshot {near}\ndrag right -70 -9\nkey p\n"
+    );
+    let steps = folder.write("steps", steps);
+    let around = ["view", "builtin:hall", "--projection", "360", "--size", "128x64", "--no-text", "--frames", "1"];
+    let said = printed(&[&around[..], &["--replay", text(&steps), "--out", text(&out)]].concat());
+    assert!(said.contains("1 whole pictures"), "{said}");
+    let [ahead, turned, near] = shots.each_ref().map(|path| open(path));
+    assert_eq!(ahead.dimensions(), (200, 120));
+    assert!(difference(&ahead, &turned) > 60 && difference(&turned, &near) > 60);
+    let written = open(&out.join("hall-001_360_TB.png"));
+    assert_eq!(written.dimensions(), (128, 128));
+    let command = said.lines().find(|line| line.starts_with("stereotrace render")).unwrap();
+    assert_eq!(difference(&made_again(command, &again), &written), 0);
+}
+
+#[test]
+#[ignore = "needs a display: scripts/check_view.sh"]
 fn a_frame_that_cant_be_rendered_ends_with_its_reason() {
     let options = ["--adaptive", "8", "--method", "atomic", "--frames", "1"];
     let message = common::error_of(&[&["view", "builtin:hall", "--size", SIZE], &options[..]].concat());

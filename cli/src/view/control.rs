@@ -3,7 +3,7 @@
 use std::{error::Error, f64::consts::PI};
 
 use stereotrace::{
-    Pose, StereoCamera,
+    Pose, Projection, StereoCamera,
     glam::{DQuat, DVec3},
 };
 
@@ -13,7 +13,7 @@ const LEAST_SLANT: f64 = 0.03;
 /// Factor of the screen distance for one step of the wheel.
 const ZOOM: f64 = 0.9;
 
-/// Pose of the eyes in world coordinates. The values are in f64, so that many small moves do not add up rounding
+/// Pose of the eyes in world coordinates. Equirectangular eyes look straight ahead; the window's head turns instead. The values are in f64, so that many small moves do not add up rounding
 /// errors. The eyes look at the middle of the screen, where parallax is zero, and orbit around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
@@ -24,11 +24,11 @@ pub(super) struct Place {
     axis: DVec3,
     /// Distance to the orbit's centre in world units: the middle of the screen, or the target of parallel cameras.
     reach: f64,
-    /// Screen distance in world units, infinite for parallel cameras.
+    /// Screen distance in world units, infinite for parallel cameras. For equirectangular eyes it is the window's alone.
     screen_distance: f64,
     interaxial: f64,
-    /// Vertical field of view in degrees.
-    fov: f32,
+    /// Vertical field of view in degrees; `None` for equirectangular eyes.
+    fov: Option<f32>,
 }
 
 impl Place {
@@ -40,20 +40,21 @@ impl Place {
     pub(super) fn of(camera: &StereoCamera) -> Result<Self, Box<dyn Error>> {
         let pose = camera.pose()?;
         let Pose { eye, forward, screen_distance, subject_distance, interaxial, size, .. } = pose;
-        let (Some([fx, fy]), Some([x, y])) = (pose.focal_px(), pose.principal_px(0.0)) else {
-            return Err(
-                "the window shows planar pictures only: use `stereotrace render` for equirectangular ones".into()
-            );
+        let fov = match (pose.focal_px(), pose.principal_px(0.0)) {
+            (Some([fx, fy]), Some([x, y])) => {
+                let middle = size.map(|side| 0.5 * f64::from(side));
+                let most = 1e-3 * middle[0].max(middle[1]);
+                if (x - middle[0]).abs().max((y - middle[1]).abs()) > most || (fx / fy - 1.0).abs() > 1e-3 {
+                    return Err(
+                        "a calibrated camera with pixels that are not square, or a principal point off the picture's \
+                         middle, can't be moved: use `stereotrace render`"
+                            .into(),
+                    );
+                }
+                Some((2.0 * (middle[1] / fy).atan()).to_degrees() as f32)
+            }
+            _ => None,
         };
-        let middle = size.map(|side| 0.5 * f64::from(side));
-        let most = 1e-3 * middle[0].max(middle[1]);
-        if (x - middle[0]).abs().max((y - middle[1]).abs()) > most || (fx / fy - 1.0).abs() > 1e-3 {
-            return Err(
-                "a calibrated camera with pixels that are not square, or a principal point off the picture's middle, \
-                 can't be moved: use `stereotrace render`"
-                    .into(),
-            );
-        }
         Ok(Self {
             eye,
             forward: forward.as_dvec3().normalize(),
@@ -61,14 +62,19 @@ impl Place {
             reach: subject_distance.into(),
             screen_distance: screen_distance.into(),
             interaxial: interaxial.into(),
-            fov: (2.0 * (middle[1] / fy).atan()).to_degrees() as f32,
+            fov,
         })
     }
 
     /// Returns the camera moved to this pose. Its size and up direction do not change.
     pub(super) fn camera(&self, camera: StereoCamera) -> StereoCamera {
-        let camera = camera.eye(self.eye()).target(self.target()).vertical_fov_degrees(self.fov);
-        camera.screen_distance(self.screen_distance()).interaxial(self.interaxial())
+        let camera = camera.eye(self.eye()).target(self.target()).interaxial(self.interaxial());
+        match (camera.projection_kind(), self.fov) {
+            (Projection::OffAxis | Projection::ToeIn, Some(fov)) => {
+                camera.vertical_fov_degrees(fov).screen_distance(self.screen_distance())
+            }
+            _ => camera,
+        }
     }
 
     pub(super) fn eye(&self) -> DVec3 {
@@ -88,8 +94,8 @@ impl Place {
         self.interaxial as f32
     }
 
-    /// Returns the vertical field of view in degrees.
-    pub(super) fn fov(&self) -> f32 {
+    /// Returns the vertical field of view in degrees; `None` for equirectangular eyes.
+    pub(super) fn fov(&self) -> Option<f32> {
         self.fov
     }
 
@@ -120,7 +126,8 @@ impl Place {
     /// Moves the eyes so that points on the screen plane move right and down by these pixels, in a picture of this
     /// height.
     pub(super) fn pan(&mut self, right: f64, down: f64, height: u32) {
-        let pixel = 2.0 * self.reach * (0.5 * f64::from(self.fov)).to_radians().tan() / f64::from(height.max(1));
+        let Some(fov) = self.fov else { return };
+        let pixel = 2.0 * self.reach * (0.5 * f64::from(fov)).to_radians().tan() / f64::from(height.max(1));
         let up = self.right().cross(self.forward);
         self.eye += pixel * (up * down - self.right() * right);
     }
@@ -138,6 +145,14 @@ impl Place {
     /// Moves the eyes right, up and ahead, in units of the distance to the orbit's centre.
     pub(super) fn fly(&mut self, [right, up, ahead]: [f64; 3]) {
         self.eye += self.reach * (self.right() * right + self.axis * up + self.forward * ahead);
+    }
+
+    /// Moves the eyes as [`Place::fly`] does, where ahead is turned by angles to the right and upwards, in radians.
+    pub(super) fn fly_turned(&mut self, by: [f64; 3], [right, up]: [f64; 2]) {
+        let mut turned = *self;
+        turned.look(-right, up);
+        turned.fly(by);
+        self.eye = turned.eye;
     }
 
     /// Multiplies the interaxial by a factor.
@@ -267,7 +282,10 @@ mod tests {
     fn calibrated_cameras_are_refused_unless_they_are_centred() {
         let centred = Intrinsics::new([90.0; 2], [100.0, 50.0]);
         let place = Place::of(&camera().intrinsics(centred)).unwrap();
-        assert!((f64::from(place.fov()) - 2.0 * (50.0_f64 / 90.0).atan().to_degrees()).abs() < 1e-4, "{place:?}");
+        assert!(
+            (f64::from(place.fov().unwrap()) - 2.0 * (50.0_f64 / 90.0).atan().to_degrees()).abs() < 1e-4,
+            "{place:?}"
+        );
         for other in [Intrinsics::new([90.0, 80.0], [100.0, 50.0]), Intrinsics::new([90.0; 2], [104.0, 50.0])] {
             assert!(Place::of(&camera().intrinsics(other)).unwrap_err().to_string().contains("can't be moved"));
         }

@@ -56,6 +56,16 @@ pub(super) const HELP: [(&str, &str); 19] = [
     ("Esc", "end"),
 ];
 
+/// Keys and their descriptions for equirectangular pairs, in place of the first ones of [`HELP`].
+pub(super) const HELP_AROUND: [(&str, &str); 6] = [
+    ("drag", "turn the head"),
+    ("wheel", "narrower or wider field of view"),
+    ("W A S D Q E", "fly (keys by position); with Shift faster"),
+    ("arrows < >", "interaxial smaller or larger; with Shift finer"),
+    ("arrows ^ v", "distance without parallax larger or smaller"),
+    ("1 to 6", "anaglyph, side by side, cross-eyed, wiggle, left, right"),
+];
+
 /// Returns the action of a key by its name: a character, or a name such as `left`, `f1` or `ctrl+s`.
 pub(super) fn action(name: &str, shift: bool) -> Option<Action> {
     let step = if shift { FINE } else { STEP };

@@ -12,7 +12,7 @@ use clap::{CommandFactory, parser::ValueSource};
 use stereotrace::{Light, LightShape, Options, Scene, Setting, StereoPair, message, output::Batch};
 
 use super::settings::{Mode, Settings};
-use crate::arguments::Cli;
+use crate::{arguments::Cli, target::EyesArguments};
 
 /// Arguments that the printed command line replaces, or that do not affect the picture.
 const REPLACED: [&str; 11] =
@@ -99,8 +99,10 @@ impl Origin {
             say("--eye", point(place.eye().to_array()));
             say("--target", point(place.target().to_array()));
             say("--up", point(settings.camera().up_direction().to_array()));
-            say("--fov", place.fov().to_string());
-            say("--screen", place.screen_distance().to_string());
+            if let Some(fov) = place.fov() {
+                say("--fov", fov.to_string());
+                say("--screen", place.screen_distance().to_string());
+            }
             say("--interaxial", place.interaxial().to_string());
         }
         // The automatic look of a file replaces two defaults, so these are always named.
@@ -115,7 +117,7 @@ impl Origin {
             }
         }
         lights.into_iter().flatten().for_each(|(option, value)| say(option, value));
-        match settings.mode.packing() {
+        match settings.eyes_written().packing {
             Some(packing) => say("--packing", packing.to_string()),
             None => say("--anaglyph", settings.eyes.anaglyph.to_string()),
         }
@@ -173,7 +175,7 @@ pub(super) fn quoted(words: &[OsString]) -> String {
 }
 
 /// Writes a pair in the format of the window's mode: one picture, or a folder of both eyes if the mode shows one eye at
-/// a time. Each call uses a new file name. Either all files are written, or none.
+/// a time. An equirectangular pair is written as `render` packs it, whichever part the window shows. Each call uses a new file name. Either all files are written, or none.
 pub(super) fn write(
     settings: &Settings,
     pair: &StereoPair,
@@ -182,11 +184,17 @@ pub(super) fn write(
 ) -> Result<PathBuf, Box<dyn Error>> {
     fs::create_dir_all(folder)
         .map_err(|error| format!("{}: the folder can't be created: {error}", crate::shown(folder)))?;
-    let of_both = !matches!(settings.mode, Mode::Wiggle | Mode::Left | Mode::Right);
-    let ending = if of_both { ".png" } else { "" };
-    let paths = (1..).map(|number: u64| folder.join(format!("{name}-{number:03}{ending}")));
-    let path = paths.into_iter().find(|path| path.symlink_metadata().is_err()).expect("numbers don't end");
     let eyes = settings.eyes_written();
+    let is_around = settings.head.is_some();
+    let of_both = is_around || !matches!(settings.mode, Mode::Wiggle | Mode::Left | Mode::Right);
+    let ending = if of_both { ".png" } else { "" };
+    let paths = (1..).map(|number: u64| {
+        let name = format!("{name}-{number:03}");
+        let tagged = eyes.packing.filter(|_| is_around);
+        let name = tagged.map_or(name.clone(), |packing| EyesArguments::packed_name(packing, &pair.pose, &name));
+        folder.join(name + ending)
+    });
+    let path = paths.into_iter().find(|path| path.symlink_metadata().is_err()).expect("numbers don't end");
     let mut batch = Batch::new();
     if of_both {
         batch.add_png(&path, &eyes.picture(&pair.left, &pair.right))?;

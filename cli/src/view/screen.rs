@@ -12,7 +12,7 @@ use std::{
 use stereotrace::wgpu::{self, CurrentSurfaceTexture, TextureFormat};
 use winit::{event_loop::OwnedDisplayHandle, window::Window};
 
-use super::show::{Look, Show};
+use super::show::{Show, Sight};
 
 /// Surface formats in order of preference.
 const FORMATS: [TextureFormat; 4] = [
@@ -105,7 +105,7 @@ impl Screen {
     }
 
     /// Draws the pair and presents it.
-    pub(super) fn draw(&mut self, look: Look) -> Drawn {
+    pub(super) fn draw(&mut self, sight: Sight) -> Drawn {
         if self.lost.load(Ordering::Relaxed) || self.failures > PATIENCE {
             return Drawn::Lost;
         }
@@ -126,7 +126,7 @@ impl Screen {
                 return self.configure_again();
             }
         };
-        self.show.draw(look, &texture.texture);
+        self.show.draw(sight, &texture.texture);
         self.window.pre_present_notify();
         self.queue.present(texture);
         self.failures = 0;

@@ -1,12 +1,16 @@
 //! Stores the window's settings, which keys and mouse change and which each frame uses.
 
-use stereotrace::{Method, Options, StereoCamera, output::Packing};
+use stereotrace::{Equirectangular, Method, Options, StereoCamera, output::Packing};
 
 use super::{
     control::Place,
-    show::{Look, eye_size},
+    head::Head,
+    show::{Look, Sight, eye_size},
 };
 use crate::{arguments::Stage, target::EyesArguments};
+
+/// Size at the beginning of one eye's part of a window that shows parts of an equirectangular pair, in pixels.
+const WINDOW: [u32; 2] = [960, 600];
 
 /// Supported numbers of samples per pixel.
 const SAMPLES: [u32; 8] = [1, 4, 9, 16, 25, 36, 49, 64];
@@ -72,6 +76,8 @@ pub(super) struct Settings {
     pub(super) window: [u32; 2],
     /// Pose of the eyes.
     pub(super) place: Place,
+    /// The head that turns inside an equirectangular pair; `None` for planar pairs.
+    pub(super) head: Option<Head>,
     /// Settings of the command line.
     begin: Begin,
 }
@@ -89,13 +95,16 @@ impl Settings {
     pub(super) fn new(stage: &Stage, eyes: &EyesArguments, size: [u32; 2]) -> Result<Self, Box<dyn std::error::Error>> {
         let mode = Mode::of(eyes.packing)?;
         let place = Place::of(&stage.camera)?;
+        let around = stage.camera.projection_kind().equirectangular();
+        let head = around.map(|Equirectangular { span, .. }| Head::new(span));
+        let [width, height] = head.map_or(size, |_| WINDOW);
         let window = match mode.packing() {
-            Some(_) => [size[0].saturating_mul(2), size[1]],
-            None => size,
+            Some(_) => [width.saturating_mul(2), height],
+            None => [width, height],
         };
         let options = stage.options.clone();
         let begin = Begin { camera: stage.camera, place, size, options: options.clone() };
-        Ok(Self { mode, eyes: eyes.clone(), options, window, place, begin })
+        Ok(Self { mode, eyes: eyes.clone(), options, window, place, head, begin })
     }
 
     /// Returns how to draw the views. In wiggle mode, `turn` selects the right one.
@@ -110,9 +119,20 @@ impl Settings {
         }
     }
 
-    /// Returns the size of an eye's picture in pixels.
-    pub(super) fn size(&self) -> [u32; 2] {
+    /// Returns what the window shows of the views. In wiggle mode, `turn` selects the right one.
+    pub(super) fn sight(&self, turn: bool) -> Sight {
+        let cut = |head: Head| head.cut(self.place.interaxial().into(), self.place.screen_distance().into());
+        Sight { look: self.look(turn), cut: self.head.map(cut) }
+    }
+
+    /// Returns the size in pixels of an eye's part of the window.
+    pub(super) fn shown_size(&self) -> [u32; 2] {
         eye_size(self.look(false), self.window)
+    }
+
+    /// Returns the size of an eye's picture in pixels: the window's, or the command line's for equirectangular pairs.
+    pub(super) fn size(&self) -> [u32; 2] {
+        if self.head.is_some() { self.begin.size } else { self.shown_size() }
     }
 
     /// Returns whether the camera or the picture's size differs from the command line's.
@@ -133,7 +153,13 @@ impl Settings {
 
     /// Returns the arguments for writing pictures.
     pub(super) fn eyes_written(&self) -> EyesArguments {
-        EyesArguments { packing: self.mode.packing(), ..self.eyes.clone() }
+        let packing = match &self.begin.camera.pose() {
+            Ok(pose) if self.head.is_some() => {
+                EyesArguments { packing: None, ..self.eyes.clone() }.suiting(pose).packing
+            }
+            _ => self.mode.packing(),
+        };
+        EyesArguments { packing, ..self.eyes.clone() }
     }
 
     /// Moves the eyes.
@@ -152,6 +178,7 @@ impl Settings {
     /// Resets camera and options to the values of the command line.
     pub(super) fn reset(&mut self) {
         self.place = self.begin.place;
+        self.head = self.head.map(|head| head.reset());
         self.options = self.begin.options.clone();
     }
 

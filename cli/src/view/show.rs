@@ -2,10 +2,13 @@
 
 use bytemuck::{Pod, Zeroable};
 use stereotrace::{
-    StereoPair, View,
+    Span, StereoPair, View,
+    glam::DMat3,
     output::{Anaglyph, Picture},
     wgpu,
 };
+
+use super::head::Cut;
 
 const SHADER: &str = include_str!("show.wgsl");
 /// Format of the textures that the shader reads and decodes.
@@ -24,6 +27,14 @@ pub(super) enum Look {
     One { right: bool },
 }
 
+/// What the window shows of a pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sight {
+    pub(super) look: Look,
+    /// The planar pictures that are shown of an equirectangular pair.
+    pub(super) cut: Option<Cut>,
+}
+
 /// Uniforms with the layout of show.wgsl, where a column of a matrix has four words.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -31,9 +42,13 @@ struct Shown {
     decoded: [f32; 256],
     of_left: [[f32; 4]; 3],
     of_right: [[f32; 4]; 3],
+    to_pair: [[[f32; 4]; 3]; 2],
     size: [u32; 2],
     beside: u32,
     encoded: u32,
+    turn: f32,
+    pixel: f32,
+    padding: [u32; 2],
 }
 
 /// Returns the size of one eye's picture in a window of this size, in pixels.
@@ -45,7 +60,7 @@ pub(super) fn eye_size(look: Look, [width, height]: [u32; 2]) -> [u32; 2] {
 }
 
 impl Shown {
-    fn new(look: Look, size: [u32; 2], encoded: bool) -> Self {
+    fn new(Sight { look, cut }: Sight, size: [u32; 2], encoded: bool) -> Self {
         let one = |k: f32| [[k, 0.0, 0.0], [0.0, k, 0.0], [0.0, 0.0, k]];
         let (left, right) = match look {
             Look::Anaglyph(kind) => kind.matrices(),
@@ -57,7 +72,13 @@ impl Shown {
             |rows: [[f32; 3]; 3]| [0, 1, 2].map(|column| [rows[0][column], rows[1][column], rows[2][column], 0.0]);
         let beside = u32::from(matches!(look, Look::Beside { .. }));
         let size = eye_size(look, size);
+        let share = |span| if span == Span::Full { 1.0 } else { 0.5 };
+        let padded = |matrix: DMat3| matrix.to_cols_array_2d().map(|[x, y, z]| [x as f32, y as f32, z as f32, 0.0]);
         Self {
+            to_pair: cut.map_or([DMat3::ZERO; 2], |cut| cut.to_pair).map(padded),
+            turn: cut.map_or(0.0, |cut| share(cut.span)),
+            pixel: cut.map_or(0.0, |cut| (2.0 * cut.tangent / f64::from(size[1])) as f32),
+            padding: [0; 2],
             decoded: decoded(),
             of_left: columns(left),
             of_right: columns(right),
@@ -86,7 +107,8 @@ pub(super) struct Show {
     pipeline: wgpu::RenderPipeline,
     format: wgpu::TextureFormat,
     uniforms: wgpu::Buffer,
-    sampler: wgpu::Sampler,
+    stretch: wgpu::Sampler,
+    wrap: wgpu::Sampler,
     eyes: [wgpu::Texture; 2],
     panel: wgpu::Texture,
 }
@@ -102,16 +124,21 @@ impl Show {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("stretch"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
+        let sampler = |label, address_mode_u| {
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some(label),
+                address_mode_u,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            })
+        };
+        let stretch = sampler("stretch", wgpu::AddressMode::ClampToEdge);
+        let wrap = sampler("wrap", wgpu::AddressMode::Repeat);
         let eyes = [0, 1].map(|_| texture(&device, "eye", [1, 1]));
         let panel = texture(&device, "panel", [1, 1]);
         let pipeline = pipeline(&device, &module, format);
-        Self { device, queue, module, pipeline, format, uniforms, sampler, eyes, panel }
+        Self { device, queue, module, pipeline, format, uniforms, stretch, wrap, eyes, panel }
     }
 
     /// Uploads another pair, with its eyes exchanged if `swap`.
@@ -128,19 +155,19 @@ impl Show {
     }
 
     /// Draws into a window's texture.
-    pub(super) fn draw(&self, look: Look, target: &wgpu::Texture) {
-        let commands = self.encode(look, target, &self.pipeline, self.format);
+    pub(super) fn draw(&self, sight: Sight, target: &wgpu::Texture) {
+        let commands = self.encode(sight, target, &self.pipeline, self.format);
         self.queue.submit([commands.finish()]);
     }
 
     /// Draws the picture of a window of this size and reads it back.
-    pub(super) fn picture(&self, look: Look, size: [u32; 2]) -> Result<Picture, stereotrace::Error> {
-        self.picture_in(look, size, PICTURE)
+    pub(super) fn picture(&self, sight: Sight, size: [u32; 2]) -> Result<Picture, stereotrace::Error> {
+        self.picture_in(sight, size, PICTURE)
     }
 
     fn picture_in(
         &self,
-        look: Look,
+        sight: Sight,
         [width, height]: [u32; 2],
         format: wgpu::TextureFormat,
     ) -> Result<Picture, stereotrace::Error> {
@@ -150,7 +177,7 @@ impl Show {
             ..descriptor("picture", [width, height])
         });
         let pipeline = pipeline(&self.device, &self.module, format);
-        let mut commands = self.encode(look, &target, &pipeline, format);
+        let mut commands = self.encode(sight, &target, &pipeline, format);
         // Rows of a copied texture are padded to multiples of 256 bytes.
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -173,14 +200,14 @@ impl Show {
 
     fn encode(
         &self,
-        look: Look,
+        sight: Sight,
         target: &wgpu::Texture,
         pipeline: &wgpu::RenderPipeline,
         format: wgpu::TextureFormat,
     ) -> wgpu::CommandEncoder {
-        let shown = Shown::new(look, [target.width(), target.height()], !format.is_srgb());
+        let shown = Shown::new(sight, [target.width(), target.height()], !format.is_srgb());
         self.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&shown));
-        let crossed = look == Look::Beside { crossed: true };
+        let crossed = sight.look == Look::Beside { crossed: true };
         let [left, right] = [0, 1].map(|eye| view(&self.eyes[if crossed { 1 - eye } else { eye }]));
         let panel = view(&self.panel);
         let resources = [
@@ -188,7 +215,8 @@ impl Show {
             wgpu::BindingResource::TextureView(&left),
             wgpu::BindingResource::TextureView(&right),
             wgpu::BindingResource::TextureView(&panel),
-            wgpu::BindingResource::Sampler(&self.sampler),
+            wgpu::BindingResource::Sampler(&self.stretch),
+            wgpu::BindingResource::Sampler(&self.wrap),
         ];
         let entries = (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
         let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -281,14 +309,21 @@ mod tests {
     use std::sync::OnceLock;
 
     use stereotrace::{
-        Builtin, Gpu, Method, Options, Renderer,
+        Builtin, Equirectangular, Gpu, Method, Options, Projection, Renderer, StereoCamera,
         blocking::Wait,
+        glam::DVec3,
         output::{Packing, anaglyph, packed},
     };
 
+    use super::super::head::Head;
     use super::*;
 
     const SIZE: [u32; 2] = [93, 40];
+    const LEFT: Look = Look::One { right: false };
+
+    fn plain(look: Look) -> Sight {
+        Sight { look, cut: None }
+    }
 
     /// Returns a pair of random pixels, and a device to draw it on.
     fn setting() -> &'static (StereoPair, Gpu) {
@@ -315,7 +350,7 @@ mod tests {
         let (pair, gpu) = setting();
         let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
         show.set_pair(pair, swap);
-        show.picture(look, size).unwrap()
+        show.picture(plain(look), size).unwrap()
     }
 
     /// Returns the largest difference of any channel.
@@ -365,7 +400,7 @@ mod tests {
         let (_, gpu) = setting();
         let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
         show.set_pair(&flat, false);
-        let found = show.picture(Look::One { right: false }, [200, 77]).unwrap();
+        let found = show.picture(plain(LEFT), [200, 77]).unwrap();
         assert!(found.rgba8.iter().all(|pixel| *pixel == [10, 200, 90, 255]));
     }
 
@@ -375,7 +410,7 @@ mod tests {
         let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
         show.set_pair(pair, false);
         show.set_panel(&Picture::new(2, 1, vec![[255, 255, 255, 255], [9, 9, 9, 0]]));
-        let found = show.picture(Look::One { right: false }, SIZE).unwrap();
+        let found = show.picture(plain(LEFT), SIZE).unwrap();
         assert_eq!(found.rgba8[0], [255; 4]);
         assert_eq!(found.rgba8[1..], pair.left.rgba8[1..]);
     }
@@ -384,11 +419,67 @@ mod tests {
     fn windows_that_take_encoded_values_show_the_same() {
         let (pair, gpu) = setting();
         let format = wgpu::TextureFormat::Rgba8Unorm;
-        let shown = Shown::new(Look::One { right: false }, SIZE, !format.is_srgb());
+        let shown = Shown::new(plain(LEFT), SIZE, !format.is_srgb());
         assert_eq!((shown.encoded, shown.size), (1, SIZE));
         let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), format);
         show.set_pair(pair, false);
-        let found = show.picture_in(Look::One { right: false }, SIZE, format).unwrap();
+        let found = show.picture_in(plain(LEFT), SIZE, format).unwrap();
         assert!(difference(&found, &pair.left.picture()) <= 1);
+    }
+
+    #[test]
+    fn parts_of_equirectangular_pairs_are_what_planar_cameras_see() {
+        let (_, gpu) = setting();
+        let mut renderer = Renderer::new(gpu.clone());
+        let scene = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
+        let options = Options::new(Method::Naive).samples(4);
+        let hall = Builtin::Hall.camera(64, 64);
+        let eye = hall.pose().unwrap().eye;
+        let around = |span, size: [u32; 2]| {
+            let projection = Projection::Equirectangular(Equirectangular { span, merge: None });
+            let camera = StereoCamera::look_at(eye, eye + DVec3::X).projection(projection).interaxial(0.2);
+            camera.size(size[0], size[1])
+        };
+        let pairs = [around(Span::Full, [1024, 512]), around(Span::Half, [512, 512])];
+        let pairs = pairs.map(|camera| renderer.pair(&scene, &camera).options(&options).read().wait().unwrap());
+        let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
+        for (pair, span, [right, up]) in [
+            (&pairs[0], Span::Full, [0.0, 0.0]),
+            (&pairs[0], Span::Full, [3.0, 0.4]),
+            (&pairs[0], Span::Full, [-1.2, -0.9]),
+            (&pairs[1], Span::Half, [0.4, -0.3]),
+        ] {
+            let mut head = Head::new(span);
+            head.turn(right, up);
+            show.set_pair(pair, false);
+            let cut = Some(head.cut(0.2, f64::INFINITY));
+            // An eye of the viewing circle is beside the ray, so the ray of the window's middle is that of a planar
+            // camera there. Other rays start elsewhere, by at most the circle's radius.
+            let planar = [-1.0, 1.0].map(|side| {
+                let beside = DVec3::new(-right.sin(), 0.0, right.cos()) * (side * 0.1);
+                let ahead = DVec3::new(right.cos() * up.cos(), up.sin(), right.sin() * up.cos());
+                let camera = StereoCamera::look_at(eye + beside, eye + beside + ahead).interaxial(0.0);
+                let camera = camera.size(64, 48).vertical_fov_degrees(head.fov() as f32);
+                renderer.pair(&scene, &camera).options(&options).read().wait().unwrap().left
+            });
+            let middle = |pixels: &[[u8; 4]]| {
+                let places = (18..30).flat_map(|row| (26..38).map(move |column| 64 * row + column));
+                Vec::from_iter(places.map(|place: usize| pixels[place]))
+            };
+            for (eye, look) in [LEFT, Look::One { right: true }].into_iter().enumerate() {
+                let found = middle(&show.picture(Sight { look, cut }, [64, 48]).unwrap().rgba8);
+                let errors = planar.each_ref().map(|view| {
+                    let expected = middle(&view.rgba8);
+                    let channels = found.iter().flatten().zip(expected.iter().flatten());
+                    channels.map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / (4 * found.len()) as f64
+                });
+                println!("{span:?}, {right} right, {up} up, eye {eye}: {errors:?}");
+                // The errors are at most 9.4, and at most 0.7 of those to the other eye's camera.
+                assert!(
+                    errors[eye] < 11.0 && errors[eye] < 0.75 * errors[1 - eye],
+                    "{span:?} {right} {up} {eye}: {errors:?}"
+                );
+            }
+        }
     }
 }

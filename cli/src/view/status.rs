@@ -3,7 +3,7 @@
 use stereotrace::{Method, StereoPair};
 
 use super::{
-    keys::HELP,
+    keys::{HELP, HELP_AROUND},
     settings::{Mode, Settings},
     work::Frame,
 };
@@ -20,8 +20,10 @@ pub(super) struct Status<'a> {
 }
 
 /// Returns the lines that list all keys.
-pub(super) fn help() -> Vec<String> {
-    HELP.iter().map(|(key, does)| format!("{key:<13}{does}")).collect()
+pub(super) fn help(is_around: bool) -> Vec<String> {
+    let (first, rest) = HELP.split_at(8);
+    let first = if is_around { &HELP_AROUND[..] } else { first };
+    first.iter().chain(rest).map(|(key, does)| format!("{key:<13}{does}")).collect()
 }
 
 /// Returns the lines over the picture.
@@ -41,18 +43,34 @@ pub(super) fn lines(status: &Status<'_>) -> Vec<String> {
     let (w, h) = (pair.left.width, pair.left.height);
     lines.push(format!("{w}x{h}, {}, {ms:.0} ms{state}", samples(settings, frame)));
     lines.push(method(settings.options.method, pair));
+    match &settings.head {
+        None => lines.extend(depth(status, pair)),
+        Some(head) => {
+            let [right, up] = head.angles().map(f64::to_degrees);
+            lines.push(format!("head {right:.0} degrees right, {up:.0} up; {:.0} degrees high", head.fov()));
+            let (e, d) = (pair.pose.interaxial, settings.place.screen_distance());
+            lines.push(format!("e {e:.4}, no parallax at {d:.4}"));
+        }
+    }
+    lines.extend(status.adapter.map(str::to_owned));
+    lines.extend(status.note.map(str::to_owned));
+    lines.push("H: keys".into());
+    lines
+}
+
+/// Returns the lines about depth in a planar pair.
+fn depth(status: &Status<'_>, pair: &StereoPair) -> Vec<String> {
     let pose = &pair.pose;
-    let px = pose.interaxial_px * settings.size()[0] as f32 / pose.size[0] as f32; // a draft has fewer pixels
-    lines.push(format!("e {:.4} ({px:.1} px), d {:.4}", pose.interaxial, pose.screen_distance));
+    let px = pose.interaxial_px * status.settings.size()[0] as f32 / pose.size[0] as f32; // a draft has fewer pixels
     let ranges = [&pair.left, &pair.right].map(|view| view.depth_range());
     let (nearest, farthest) = (ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1));
     let comfort = pose.comfort(nearest, farthest, status.display_width);
     let (near, far) = (comfort.negative_parallax_percent, comfort.positive_parallax_percent);
-    lines.push(format!("parallax {near:.2}% to {far:.2}% of the width"));
+    let mut lines = vec![
+        format!("e {:.4} ({px:.1} px), d {:.4}", pose.interaxial, pose.screen_distance),
+        format!("parallax {near:.2}% to {far:.2}% of the width"),
+    ];
     lines.extend(comfort.warnings().into_iter().map(|warning| format!("warning: {warning}")));
-    lines.extend(status.adapter.map(str::to_owned));
-    lines.extend(status.note.map(str::to_owned));
-    lines.push("H: keys".into());
     lines
 }
 

@@ -176,9 +176,9 @@ impl App {
     fn resize(&mut self) {
         let Some(screen) = &mut self.screen else { return };
         screen.configure();
-        let size = screen.size();
-        if size != self.settings.window || self.version == 0 {
-            self.settings.window = size;
+        let (window, before) = (screen.size(), self.settings.size());
+        self.settings.window = window;
+        if self.settings.size() != before || self.version == 0 {
             self.change();
         }
         self.refresh();
@@ -201,7 +201,7 @@ impl App {
     /// Updates the text and requests a redraw.
     fn refresh(&mut self) {
         let lines = match (self.text, self.help) {
-            (_, true) => status::help(),
+            (_, true) => status::help(self.settings.head.is_some()),
             (false, _) => Vec::new(),
             (true, _) => status::lines(&status::Status {
                 settings: &self.settings,
@@ -212,7 +212,7 @@ impl App {
                 display_width: self.display_width,
             }),
         };
-        let size = self.settings.size();
+        let size = self.settings.shown_size();
         if let Some(screen) = &mut self.screen {
             screen.show.set_panel(&self.panel.picture(&lines, size));
             screen.window.request_redraw();
@@ -220,9 +220,9 @@ impl App {
     }
 
     fn draw(&mut self, event_loop: &ActiveEventLoop) {
-        let look = self.settings.look(self.turn.1);
+        let sight = self.settings.sight(self.turn.1);
         let Some(screen) = &mut self.screen else { return };
-        match screen.draw(look) {
+        match screen.draw(sight) {
             Drawn::Shown => {
                 self.losses = 0;
                 let Some(frame) = self.frame.as_ref().filter(|frame| frame.version == self.version) else { return };
@@ -273,21 +273,40 @@ impl App {
         self.plan.frames.is_some()
     }
 
-    /// Moves the eyes and requests a picture. An error becomes the window's message.
+    /// Moves the eyes and requests a picture if their camera has changed. An error becomes the window's message.
     fn move_eyes(&mut self, by: impl FnOnce(&mut super::control::Place)) {
+        let before = self.settings.camera();
         self.note = self.settings.move_eyes(by).err();
-        self.change();
+        if self.note.is_some() || self.settings.camera() != before {
+            self.change();
+        }
         self.refresh();
     }
 
     fn drag(&mut self, button: Button, [x, y]: [f64; 2]) {
-        let height = self.settings.size()[1].max(1);
+        let height = self.settings.shown_size()[1].max(1);
+        if let Some(head) = &mut self.settings.head {
+            // What is in the middle of the window follows the mouse.
+            let angle = 2.0 * (0.5 * head.fov().to_radians()).tan() / f64::from(height);
+            head.turn(-x * angle, y * angle);
+            return self.refresh();
+        }
         // A drag over the window's height is half a turn.
         let angle = std::f64::consts::PI / f64::from(height);
         match button {
             Button::Left => self.move_eyes(|place| place.orbit(-x * angle, -y * angle)),
             Button::Right => self.move_eyes(|place| place.look(-x * angle, -y * angle)),
             Button::Middle => self.move_eyes(|place| place.pan(x, y, height)),
+        }
+    }
+
+    fn wheel(&mut self, steps: f64) {
+        match &mut self.settings.head {
+            None => self.move_eyes(|place| place.zoom(steps)),
+            Some(head) => {
+                head.zoom(steps);
+                self.refresh();
+            }
         }
     }
 
@@ -367,7 +386,7 @@ impl App {
     fn shot(&mut self, path: &Path) -> Result<(), Box<dyn std::error::Error>> {
         let Some(screen) = &self.screen else { return Ok(()) };
         let begin = Instant::now();
-        let picture = screen.show.picture(self.settings.look(self.turn.1), screen.size())?;
+        let picture = screen.show.picture(self.settings.sight(self.turn.1), screen.size())?;
         let mut batch = Batch::new();
         batch.add_png(path, &picture)?;
         self.tally.files.extend(batch.commit()?);
@@ -386,7 +405,7 @@ impl App {
                 Step::Size(size) if !self.has_size(size)? => return Ok(()),
                 Step::Wait | Step::Size(_) => {}
                 Step::Drag(button, by) => self.drag(button, by),
-                Step::Wheel(steps) => self.move_eyes(|place| place.zoom(steps)),
+                Step::Wheel(steps) => self.wheel(steps),
                 Step::Fly(direction, seconds) => self.fly(direction, seconds),
                 Step::Key(action) => self.act(event_loop, action),
                 Step::Shot(path) => self.shot(&path)?,
@@ -444,7 +463,8 @@ impl App {
 
     fn fly(&mut self, direction: [f64; 3], seconds: f64) {
         let way = seconds * SPEED[usize::from(self.modifiers.shift_key())];
-        self.move_eyes(|place| place.fly(direction.map(|part| part * way)));
+        let angles = self.settings.head.map_or([0.0; 2], |head| head.angles());
+        self.move_eyes(|place| place.fly_turned(direction.map(|part| part * way), angles));
     }
 
     fn key(&mut self, event_loop: &ActiveEventLoop, event: &KeyEvent) {
@@ -523,7 +543,7 @@ impl App {
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y / WHEEL_PIXELS,
                 };
                 if steps != 0.0 {
-                    self.move_eyes(|place| place.zoom(steps));
+                    self.wheel(steps);
                 }
             }
             WindowEvent::Focused(false) => {
