@@ -114,7 +114,8 @@ fn a_head_turns_inside_an_equirectangular_pair_without_another_frame() {
     let [ahead, turned, near] = shots.each_ref().map(|path| text(path));
     let (out, again) = (folder.file("out"), folder.file("again.png"));
     let steps = format!(
-        "size 200x120\nwait\nshot {ahead}\ndrag left 70 9\nshot {turned}\nwheel 3\nshot {near}\ndrag right -70 -9\nkey p\n"
+        "size 200x120\nwait\nshot {ahead}\ndrag left 70 9\nshot {turned}\nwheel 3\n\
+         shot {near}\ndrag right -70 -9\nkey p\n"
     );
     let steps = folder.write("steps", steps);
     let around = ["view", "builtin:hall", "--projection", "360", "--size", "128x64", "--no-text", "--frames", "1"];

@@ -2,6 +2,7 @@
 // @ts-check
 import { plot, tabulate } from "./chart.js";
 import { dropped, source as sourceOf } from "./files.js";
+import { Head } from "./head.js";
 import { nearer, orbited, panned } from "./orbit.js";
 
 /** @typedef {import("./pkg/index.js").Camera} Camera */
@@ -21,6 +22,8 @@ const MOST_SIDE = { software: 512, hardware: 1600 };
 const PATHS = { draft: 2, first: 4, last: 256, bounces: 3 };
 /** Drafts of at least so many pixels recall the draft before, within so many MiB. Smaller ones take as long without. */
 const RECALLED = { pixels: 2 ** 18, history: 512 };
+/** Height of an automatically sized equirectangular view, on software adapters and on others. */
+const AROUND_HEIGHT = { software: 384, hardware: 2048 };
 const QUILT = { columns: 8, rows: 6, size: [420, 560], interaxialPixels: 3 };
 const ROUNDS = 3;
 const VIEWS = [...element("view").options].map((option) => option.value);
@@ -96,6 +99,9 @@ let open = { name: "", source: /** @type {any} */ (null), camera: /** @type {Cam
 let camera = /** @type {Camera | null} */ (null);
 /** @type {ImageBitmap[]} */
 let images = [];
+/** How the images show their views: their projection, and how many are side by side. */
+let shownAs = { around: /** @type {360 | 180 | null} */ (null), views: 1 };
+const head = new Head();
 /** Milliseconds per pixel of the last frame. */
 let pixelMs = 0;
 let lost = 0;
@@ -123,12 +129,27 @@ function size() {
     return [width, height].map((side) => Math.max(16, Math.round(side * scale)));
 }
 
+/** The chosen equirectangular projection: 360 or 180 degrees, or null for planar pictures. @returns {360 | 180 | null} */
+const around = () => (element("projection").value === "planar" ? null : /** @type {360 | 180} */ (Number(element("projection").value)));
+
+/** Width and height of a whole view as it is rendered. */
+function renderedSize() {
+    const span = around();
+    if (!span) return size();
+    const automatic = adapter.software ? AROUND_HEIGHT.software : AROUND_HEIGHT.hardware;
+    const height = element("size").value === "auto" ? automatic : size()[1];
+    return [height * span / 180, height];
+}
+
 /** Returns the camera with the sliders' values. @param {number} scale @returns {Camera} */
 function seen(scale = 1) {
     if (!camera) throw new Error("no scene is open");
     const [e, d] = [Number(element("e").value), 2 ** Number(element("d").value)];
-    const [width, height] = size().map((side) => Math.max(16, Math.round(side * scale)));
-    return { ...camera, size: [width, height], interaxial: (camera.interaxial ?? 0) * e, screenDistance: (camera.screenDistance ?? 1) * d };
+    const [width, height] = renderedSize().map((side) => Math.max(16, Math.round(side * scale)));
+    const span = around();
+    const interaxial = (camera.interaxial ?? 0) * e;
+    if (span) return { eye: camera.eye, target: camera.target, up: camera.up, size: [width, height], interaxial, projection: span };
+    return { ...camera, size: [width, height], interaxial, screenDistance: (camera.screenDistance ?? 1) * d };
 }
 
 /** Updates the numbers beside the sliders. */
@@ -136,7 +157,9 @@ function label() {
     if (!camera) return;
     const { interaxial = 0, screenDistance = 1, size: [width, height] = [1, 1], fov = 45 } = seen();
     const across = 2 * screenDistance * Math.tan(fov * Math.PI / 360) * width / height;
-    element("e-value").value = `${short(interaxial)}, ${short(interaxial * width / across)} px`;
+    element("e-value").value = around() ? short(interaxial) : `${short(interaxial)}, ${short(interaxial * width / across)} px`;
+    element("d-row").hidden = Boolean(around());
+    element("around-hint").hidden = !around();
     element("d-value").value = short(screenDistance);
     element("samples-value").value = String(settings().options.samples);
     element("lights-value").value = settings().lights || "from the scene";
@@ -201,7 +224,7 @@ async function work() {
 async function refine() {
     const { view, glasses } = settings();
     const done = await engine.ask("refine", { view, glasses, first: PATHS.first });
-    put(done.images);
+    put(done.images, view, shownAs.around);
     figures({ ...done, deviceMs: undefined, statistics: { ...done.statistics, passes: undefined } }, seen().size, 1);
     refining &&= done.paths < PATHS.last;
 }
@@ -209,7 +232,7 @@ async function refine() {
 /** @param {boolean} draft */
 async function render(draft) {
     const { view, glasses, lights, options } = settings();
-    const [width, height] = size();
+    const [width, height] = renderedSize();
     const scale = draft ? draftScale(width * height * options.samples) : 1;
     const busy = setTimeout(() => say("rendering…"), 400);
     const byPaths = element("light").value === "paths";
@@ -222,7 +245,7 @@ async function render(draft) {
     };
     try {
         const done = await engine.ask("render", request, (share) => say(`rendering… ${Math.round(100 * share)} %`));
-        put(done.images);
+        put(done.images, view, request.camera.projection ?? null);
         const pixels = request.camera.size[0] * request.camera.size[1] * request.options.samples;
         pixelMs = done.ms / pixels;
         figures(done, request.camera.size, scale);
@@ -253,7 +276,7 @@ async function show() {
         refining = false;
         compared(await engine.ask("compare"));
     }
-    put((await engine.ask("show", { view, glasses })).images);
+    put((await engine.ask("show", { view, glasses })).images, view, shownAs.around);
 }
 
 /**
@@ -285,17 +308,21 @@ async function alone(text, task) {
 
 // --- What is shown ---
 
-/** @param {ImageBitmap[]} next */
-function put(next) {
+/** @param {ImageBitmap[]} next @param {string} view @param {360 | 180 | null} span */
+function put(next, view, span) {
     for (const image of images) image.close();
     images = next;
+    shownAs = { around: span, views: ["side-by-side", "cross-eyed"].includes(view) ? 2 : 1 };
     draw(0);
 }
 
 /** @param {number} index */
 function draw(index) {
-    const image = images[index % images.length];
-    if (!image) return;
+    const picture = images[index % images.length];
+    if (!picture) return;
+    const { around: span, views } = shownAs;
+    // Without WebGL the whole picture is shown.
+    const image = (span && head.see(picture, views, span, size())) || picture;
     if (canvas.width !== image.width || canvas.height !== image.height) [canvas.width, canvas.height] = [image.width, image.height];
     context.drawImage(image, 0, 0);
 }
@@ -397,6 +424,7 @@ async function openScene(source) {
         element("warnings").firstElementChild.textContent = `${parts} not shown as specified`;
         element("warnings").lastElementChild.replaceChildren(...warnings.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
         notice("");
+        lookAhead();
         label();
         ask("whole");
     } catch (error) {
@@ -443,6 +471,13 @@ canvas.addEventListener("pointermove", (event) => {
     const after = { x: event.clientX, y: event.clientY };
     const height = canvas.clientHeight;
     const [dx, dy] = [(after.x - before.x) / height, (after.y - before.y) / height];
+    const span = around();
+    if (span) {
+        const angle = head.pixel(1);
+        pointers.set(event.pointerId, after);
+        head.turn(-dx * angle, dy * angle, span);
+        return draw(swing);
+    }
     const other = [...pointers].find(([id]) => id !== event.pointerId)?.[1];
     if (other) {
         const apart = (point) => Math.max(1, Math.hypot(point.x - other.x, point.y - other.y));
@@ -459,8 +494,7 @@ canvas.addEventListener("pointermove", (event) => {
 canvas.addEventListener("wheel", (event) => {
     if (!camera) return;
     event.preventDefault();
-    camera = nearer(camera, Math.exp(Math.max(-0.3, Math.min(0.3, event.deltaY * (event.deltaMode ? 0.04 : 0.0012)))));
-    moved();
+    zoom(Math.exp(Math.max(-0.3, Math.min(0.3, event.deltaY * (event.deltaMode ? 0.04 : 0.0012)))));
 }, { passive: false });
 
 /** @param {HTMLInputElement} slider @param {number} steps */
@@ -484,19 +518,38 @@ const KEYS = {
 
 /** @param {number} right @param {number} up */
 function turn(right, up) {
+    const span = around();
+    if (span) {
+        head.turn(right, up, span);
+        return draw(swing);
+    }
     if (camera) camera = orbited(camera, right, up);
     moved();
 }
 
 /** @param {number} factor */
 function zoom(factor) {
+    if (around()) {
+        head.zoom(factor);
+        return draw(swing);
+    }
     if (camera) camera = nearer(camera, factor);
     moved();
+}
+
+/** Turns the head to where the planar camera looks. */
+function lookAhead() {
+    if (!camera) return;
+    const { eye, target, up = [0, 1, 0] } = camera;
+    const way = target.map((value, axis) => value - eye[axis]);
+    const rise = way.reduce((sum, value, axis) => sum + value * up[axis], 0) / (Math.hypot(...way) * Math.hypot(...up));
+    head.reset(Math.asin(Math.max(-1, Math.min(1, rise))));
 }
 
 function reset() {
     camera = open.camera;
     for (const id of ["e", "d"]) element(id).value = element(id).defaultValue;
+    lookAhead();
     moved();
 }
 
@@ -551,7 +604,8 @@ for (const id of ["samples", "lights"]) {
     element(id).addEventListener("input", label);
     element(id).addEventListener("change", () => ask("whole"));
 }
-for (const id of ["method", "size", "light"]) element(id).addEventListener("change", () => { label(); ask("whole"); });
+element("projection").addEventListener("change", lookAhead);
+for (const id of ["method", "size", "light", "projection"]) element(id).addEventListener("change", () => { label(); ask("whole"); });
 for (const id of ["view", "glasses"]) element(id).addEventListener("change", () => { label(); ask("show"); });
 element("message").lastElementChild.addEventListener("click", () => notice(""));
 element("stop").addEventListener("click", () => engine.stop());
@@ -561,16 +615,20 @@ element("compare").addEventListener("click", () => alone("comparing", async () =
     compared(found);
     element("view").value = "difference";
     label();
-    put((await engine.ask("show", settings())).images);
+    put((await engine.ask("show", settings())).images, "difference", shownAs.around);
 }));
 element("save").addEventListener("click", () => alone("writing", async () => {
-    download(await engine.ask("png", settings()), `${open.name}_${settings().view}.png`);
+    const { around: span } = shownAs;
+    // Players of equirectangular pictures know both views by such names.
+    const [view, name] = span === 360 ? ["top-bottom", "360_TB"] : span ? ["side-by-side", "180x180_3dh"] : [settings().view, settings().view];
+    download(await engine.ask("png", { ...settings(), view }), `${open.name}_${name}.png`);
 }));
 element("save-eyes").addEventListener("click", () => alone("writing", async () => {
     for (const view of ["left", "right"]) download(await engine.ask("png", { view }), `${open.name}_${view}.png`);
 }));
 element("quilt").addEventListener("click", () => alone("rendering a quilt", async (tell) => {
     const { columns, rows, size: quiltSize, interaxialPixels } = QUILT;
+    if (around()) throw new Error("A quilt is planar: choose the planar projection.");
     const { interaxial: _, ...rest } = seen();
     const request = { camera: { ...rest, size: quiltSize, interaxialPixels }, options: settings().options, columns, rows, name: open.name };
     const { blob, name } = await engine.ask("quilt", request, tell);
@@ -635,6 +693,7 @@ async function begin() {
     fill(element("method"), methods, query.get("method") ?? "auto");
     fill(element("glasses"), anaglyphs, query.get("glasses"));
     if (VIEWS.includes(query.get("view") ?? "")) element("view").value = query.get("view");
+    if (["360", "180"].includes(query.get("projection") ?? "")) element("projection").value = query.get("projection");
     const asked = query.get("size");
     if (asked && /^\d{2,4}x\d{2,4}$/.test(asked)) {
         if (![...element("size").options].some((option) => option.value === asked)) element("size").add(new Option(asked));

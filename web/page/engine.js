@@ -65,7 +65,7 @@ function pictures(view, glasses) {
     const { pair, truth } = shown();
     switch (view) {
         case "anaglyph": return [pair.anaglyph(glasses)];
-        case "side-by-side": case "cross-eyed": return [pair.packed(view)];
+        case "side-by-side": case "cross-eyed": case "top-bottom": return [pair.packed(view)];
         case "wiggle": return [pair.view("left"), pair.view("right")];
         case "left": case "right": return [pair.view(view)];
         case "retrace": return [pair.retraceMap()];

@@ -246,6 +246,44 @@ await test("settings change the picture, gestures and keys move the eyes, and th
     await context.close();
 });
 
+await test("a head turns inside 360 degrees without another frame, and the pair is written whole", async () => {
+    const { page, context, faults } = await opened("?scene=hall&size=160x120&view=left&projection=360", { prepare: watched });
+    await whole(page);
+    await page.screenshot({ path: path.join(out, "around.png") });
+    const ahead = await pixels(page);
+    assert.deepEqual([ahead.width, ahead.height], [160, 120]);
+    const asked = () => page.workers()[0].evaluate(() => JSON.stringify(globalThis.asked.id));
+    const before = await asked();
+    const box = await page.locator("#picture").boundingBox();
+    await page.mouse.move(box.x + 200, box.y + 200);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 320, box.y + 180, { steps: 5 });
+    await page.mouse.up();
+    await page.waitForTimeout(300);
+    const turned = await pixels(page);
+    assert.ok(difference(ahead.data, turned.data).differing > 20_000);
+    await page.locator("#picture").focus();
+    await page.keyboard.press("+");
+    assert.ok(difference(turned.data, (await pixels(page)).data).differing > 20_000);
+    assert.equal(await asked(), before, "nothing was rendered");
+    for (const view of ["anaglyph", "side-by-side", "wiggle"]) {
+        await choose(page, "view", view);
+        const { width, height, data } = await pixels(page);
+        assert.deepEqual([width, height], [view === "side-by-side" ? 320 : 160, 120], view);
+        assert.ok(new Set(data).size > 50, view);
+    }
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+    assert.equal(download.suggestedFilename(), "hall_360_TB.png");
+    const bytes = await readFile(await download.path());
+    assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], [240, 240]);
+    await choose(page, "view", "left");
+    await page.keyboard.press("r");
+    await whole(page);
+    assert.equal(difference((await pixels(page)).data, ahead.data).differing, 0, "r looks ahead again");
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
 await test("comparison, downloads, quilt and chart", async () => {
     const { page, context, faults } = await opened("?scene=random-20&size=96x72&method=ideal");
     await whole(page);

@@ -13,8 +13,9 @@ const LEAST_SLANT: f64 = 0.03;
 /// Factor of the screen distance for one step of the wheel.
 const ZOOM: f64 = 0.9;
 
-/// Pose of the eyes in world coordinates. Equirectangular eyes look straight ahead; the window's head turns instead. The values are in f64, so that many small moves do not add up rounding
-/// errors. The eyes look at the middle of the screen, where parallax is zero, and orbit around it.
+/// Pose of the eyes in world coordinates. The values are in f64, so that many small moves do not add up rounding
+/// errors. The eyes look at the middle of the screen, where parallax is zero, and orbit around it. Equirectangular eyes
+/// look straight ahead; the window's head turns instead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     eye: DVec3,
@@ -24,7 +25,8 @@ pub(super) struct Place {
     axis: DVec3,
     /// Distance to the orbit's centre in world units: the middle of the screen, or the target of parallel cameras.
     reach: f64,
-    /// Screen distance in world units, infinite for parallel cameras. For equirectangular eyes it is the window's alone.
+    /// Screen distance in world units, infinite for parallel cameras. With equirectangular eyes only the window has
+    /// one.
     screen_distance: f64,
     interaxial: f64,
     /// Vertical field of view in degrees; `None` for equirectangular eyes.

@@ -4,8 +4,9 @@
 //! a lost device can be replaced without the other one. Frames pass through the host. This costs a copy of some
 //! megabytes, and works for every option and adapter.
 //!
-//! `control` moves the eyes, `head` turns inside an equirectangular pair, `settings` holds the state, and `show` draws it on the surface of `screen`. `panel` draws
-//! the text of `status`, `save` writes pictures, and `replay` performs recorded input.
+//! `control` moves the eyes, and `head` turns inside an equirectangular pair. `settings` holds the state, and `show`
+//! draws it on the surface of `screen`. `panel` draws the text of `status`, `save` writes pictures, and `replay`
+//! performs recorded input.
 //!
 //! The text uses a bitmap font. A library of widgets would add some twenty crates, need a newer Rust, and bring fonts
 //! under licences of their own.

@@ -175,7 +175,8 @@ pub(super) fn quoted(words: &[OsString]) -> String {
 }
 
 /// Writes a pair in the format of the window's mode: one picture, or a folder of both eyes if the mode shows one eye at
-/// a time. An equirectangular pair is written as `render` packs it, whichever part the window shows. Each call uses a new file name. Either all files are written, or none.
+/// a time. An equirectangular pair is written as `render` packs it, whichever part the window shows. Each call uses a
+/// new file name. Either all files are written, or none.
 pub(super) fn write(
     settings: &Settings,
     pair: &StereoPair,

@@ -18,7 +18,7 @@ struct Shown {
     beside: u32,
     // 1 if the target takes sRGB-encoded values, 0 if it takes linear light.
     encoded: u32,
-    // For equirectangular views: the share of a full turn that they show, and the tangent of the angle of a pixel in the
+    // For equirectangular views: the share of a full turn that they show, and the tangent of a pixel's angle in the
     // window's middle. Both are 0 for planar views.
     turn: f32,
     pixel: f32,

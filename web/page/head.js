@@ -1,0 +1,115 @@
+// The head that turns inside an equirectangular picture. WebGL draws the planar part that it sees.
+// @ts-check
+
+/** Vertical field of view in degrees: at the beginning, least and most. */
+const FOV = { begin: 70, least: 20, most: 120 };
+
+const VERTICES = `#version 300 es
+void main() {
+    gl_Position = vec4(4.0 * float(gl_VertexID & 1) - 1.0, 4.0 * float(gl_VertexID >> 1) - 1.0, 0.0, 1.0);
+}`;
+const COLORS = `#version 300 es
+precision highp float;
+const float PI = 3.14159265;
+uniform sampler2D picture;
+uniform vec2 size;     // of one view's part, in pixels
+uniform float views;   // side by side in the picture
+uniform float pixel;   // tangent of a pixel's angle in the middle
+uniform float turn;    // share of a full turn that a view shows
+uniform mat3 toPair;   // from right, up and ahead in the window to the pair's coordinates
+out vec4 color;
+void main() {
+    float view = floor(gl_FragCoord.x / size.x);
+    vec2 at = pixel * (gl_FragCoord.xy - vec2(view * size.x, 0.0) - 0.5 * size);
+    vec3 ray = toPair * vec3(at, 1.0);
+    vec2 place = vec2(0.5 + atan(ray.x, ray.z) / (2.0 * PI * turn), 0.5 - atan(ray.y, length(ray.xz)) / PI);
+    // A place between two texels of different views would mix them.
+    float half_texel = 0.5 * views / float(textureSize(picture, 0).x);
+    bool inside = abs(place.x - 0.5) <= 0.5;
+    place.x = (clamp(place.x, half_texel, 1.0 - half_texel) + view) / views;
+    color = inside ? vec4(texture(picture, place).rgb, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
+}`;
+
+export class Head {
+    constructor() {
+        /** Angles to the right and upwards in radians, and the vertical field of view in degrees. */
+        [this.right, this.up, this.fov] = [0, 0, FOV.begin];
+        this.canvas = document.createElement("canvas");
+        /** @type {{ gl: WebGL2RenderingContext, place: (name: string) => WebGLUniformLocation | null } | null} */
+        this.drawing = null;
+        /** @type {ImageBitmap | null} */
+        this.uploaded = null;
+        this.canvas.addEventListener("webglcontextlost", () => { this.drawing = null; });
+    }
+
+    /** Looks ahead, at an angle upwards in radians. @param {number} up */
+    reset(up) {
+        [this.right, this.up, this.fov] = [0, up, FOV.begin];
+    }
+
+    /** Turns to the right and upwards, in radians; within the picture if it shows half a turn. @param {number} right @param {number} up @param {360 | 180} span */
+    turn(right, up, span) {
+        const most = span === 180 ? Math.PI / 2 : Infinity;
+        this.right = Math.max(-most, Math.min(most, this.right + right));
+        this.up = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, this.up + up));
+    }
+
+    /** Multiplies the field of view. @param {number} factor */
+    zoom(factor) {
+        this.fov = Math.max(FOV.least, Math.min(FOV.most, this.fov * factor));
+    }
+
+    /** The tangent of the angle of a pixel in the middle of a picture of this height. @param {number} height */
+    pixel(height) {
+        return 2 * Math.tan(this.fov * Math.PI / 360) / height;
+    }
+
+    /**
+     * Returns what the head sees, or null without WebGL.
+     * @param {ImageBitmap} picture @param {number} views number of views side by side in the picture
+     * @param {360 | 180} span @param {readonly number[]} size width and height of one view's part
+     * @returns {HTMLCanvasElement | null}
+     */
+    see(picture, views, span, [width, height]) {
+        this.drawing ??= opened(this.canvas);
+        if (!this.drawing) return null;
+        const { gl, place } = this.drawing;
+        [this.canvas.width, this.canvas.height] = [views * width, height];
+        gl.viewport(0, 0, views * width, height);
+        if (this.uploaded !== picture) {
+            gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, picture);
+            this.uploaded = picture;
+        }
+        gl.uniform2f(place("size"), width, height);
+        gl.uniform1f(place("views"), views);
+        gl.uniform1f(place("pixel"), this.pixel(height));
+        gl.uniform1f(place("turn"), span / 360);
+        const [sin, cos] = [Math.sin(this.right), Math.cos(this.right)];
+        const [rise, level] = [Math.sin(this.up), Math.cos(this.up)];
+        // The columns are what the window's right, up and ahead are in the pair.
+        gl.uniformMatrix3fv(place("toPair"), false, [cos, 0, -sin, -rise * sin, level, -rise * cos, level * sin, rise, level * cos]);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+        return this.canvas;
+    }
+}
+
+/** @param {HTMLCanvasElement} canvas */
+function opened(canvas) {
+    const gl = canvas.getContext("webgl2", { alpha: false, antialias: false });
+    if (!gl) return null;
+    const program = gl.createProgram();
+    for (const [kind, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, VERTICES], [gl.FRAGMENT_SHADER, COLORS]])) {
+        const shader = /** @type {WebGLShader} */ (gl.createShader(kind));
+        gl.shaderSource(shader, source);
+        gl.compileShader(shader);
+        gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(`WebGL: ${gl.getProgramInfoLog(program)}`);
+    gl.useProgram(program);
+    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+    for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR], [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) {
+        gl.texParameteri(gl.TEXTURE_2D, name, value);
+    }
+    return { gl, place: (/** @type {string} */ name) => gl.getUniformLocation(program, name) };
+}
