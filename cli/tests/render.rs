@@ -80,16 +80,17 @@ fn pictures_all_around_have_the_names_that_players_read() {
     let folder = Folder::new("around");
     let out = folder.file("all").to_str().unwrap().to_owned();
     let around = |degrees: &'static str, more: &[&'static str]| {
-        let fixed = ["render", "builtin:hall", "--projection", degrees, "--size", "32x16", "--out", &out];
+        let size = if degrees == "360" { "32x16" } else { "32x32" };
+        let fixed = ["render", "builtin:hall", "--projection", degrees, "--size", size, "--out", &out];
         printed(&[&fixed[..], more].concat())
     };
     let text = around("360", &["--ground-truth"]);
     assert!(text.contains("32x16, e = 0.0650, equirectangular"), "{text}");
-    around("180", &["--unit", "100", "--pole-merge", "off"]);
+    around("180", &["--unit", "10", "--pole-merge", "off"]);
     around("360", &["--packing", "side-by-side", "--pole-merge", "50:80"]);
     let size = |name: &str| image::image_dimensions(folder.file("all").join(name)).unwrap();
     assert_eq!((size("hall_360_TB.png"), size("hall_360_LR.png")), ((32, 32), (64, 16)));
-    assert_eq!(size("hall_180x180_3dh.png"), (64, 16));
+    assert_eq!(size("hall_180x180_3dh.png"), (64, 32));
     assert!(folder.file("all/disp1.pfm").is_file() && !folder.file("all/calib.txt").exists());
     let camera: Value = serde_json::from_slice(&fs::read(folder.file("all/camera.json")).unwrap()).unwrap();
     assert_eq!(camera["pose"]["projection"]["span_deg"], 360.0);
@@ -99,10 +100,17 @@ fn pictures_all_around_have_the_names_that_players_read() {
         (["--pole-merge", "80:70"], "pole merge is 80 to 70 degrees"),
         (["--pole-merge", "high"], "it must be off, or two elevations"),
         (["--method", "adelson-hodges"], "adelson-hodges makes planar pictures only"),
+        (["--size", "100x100"], "100x100: the width of a picture of 360 degrees must be twice the height"),
     ] {
         let message = error_of(&[&["render", "builtin:hall", "--projection", "360"][..], &options].concat());
         assert!(message.contains(expected), "{message}");
     }
+    let wide = ["render", "builtin:hall", "--projection", "180", "--size", "64x32"];
+    assert!(error_of(&wide).contains("64x32: the width of a picture of 180 degrees must be the height"));
+    let apart =
+        ["render", "builtin:hall", "--projection", "360", "--size", "32x16", "--interaxial", "60", "--out", &out];
+    let said = String::from_utf8(run(&apart).stderr).unwrap();
+    assert!(said.contains("warning: interaxial 60: a surface is ") && said.contains("nearer than the eyes"), "{said}");
     assert!(error_of(&["render", "--projection", "270"]).contains("it must be planar, 360 or 180"));
 }
 

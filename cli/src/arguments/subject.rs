@@ -3,6 +3,7 @@
 
 use std::{
     error::Error,
+    f32::consts::TAU,
     path::PathBuf,
     sync::Arc,
     time::{Duration, Instant},
@@ -10,8 +11,8 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    Builtin, CameraPath, GBuffer, Method, Options, Renderer, Scene, SceneFile, StereoCamera, StereoPair, UploadedScene,
-    blocking::Wait, glam::Vec3,
+    Builtin, CameraPath, Equirectangular, GBuffer, Method, Options, Pose, Ray, Renderer, Scene, SceneFile, Span,
+    StereoCamera, StereoPair, UploadedScene, blocking::Wait, glam::Vec3,
 };
 
 use super::{CameraArguments, Global, LightArguments, PictureArguments, ReadingArguments};
@@ -83,6 +84,9 @@ impl Stage {
     }
 }
 
+/// Number of directions in which surfaces between equirectangular eyes are looked for.
+const AROUND: u32 = 128;
+
 /// Width in pixels of the preview picture that [`depths`] measures.
 const PREVIEW: u32 = 320;
 
@@ -98,6 +102,48 @@ pub(crate) fn depths(
     let pair = renderer.pair(uploaded, &camera).options(&options).read().wait()?;
     let ranges = [&pair.left, &pair.right].map(|view| view.depth_range());
     Ok((ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1)))
+}
+
+/// Checks that an equirectangular picture has the shape that players expect: as many degrees per column as per row.
+fn check_shape(pose: &Pose) -> Result<(), String> {
+    let Some(Equirectangular { span, .. }) = pose.projection.equirectangular() else { return Ok(()) };
+    let [width, height] = pose.size;
+    let (expected, shape) = match span {
+        Span::Full => (2 * u64::from(height), "twice the height"),
+        Span::Half => (u64::from(height), "the height"),
+    };
+    match u64::from(width) == expected {
+        true => Ok(()),
+        false => Err(format!("{width}x{height}: the width of a picture of {} degrees must be {shape}", span.degrees())),
+    }
+}
+
+/// Warns if a surface is nearer to the middle of equirectangular eyes than the eyes are. An eye then sees what is behind
+/// it, such as the next room, in some directions.
+fn warn_of_surfaces_between_the_eyes(
+    renderer: &Renderer,
+    uploaded: &UploadedScene,
+    pose: &Pose,
+) -> Result<(), stereotrace::Error> {
+    if pose.projection.equirectangular().is_none() || pose.interaxial == 0.0 {
+        return Ok(());
+    }
+    let radius = 0.5 * pose.interaxial;
+    let to_eye = |turn: u32| {
+        let (sin, cos) = (TAU * turn as f32 / AROUND as f32).sin_cos();
+        Ray::new(pose.eye, radius * (pose.right * cos + pose.forward * sin)).t_max(1.0)
+    };
+    let rays = Vec::from_iter((0..AROUND).map(to_eye));
+    let hits = renderer.closest_hits(uploaded, &rays).wait()?;
+    let nearest = hits.hits.iter().map(|hit| radius * hit.t).fold(f32::INFINITY, f32::min);
+    if nearest < radius {
+        log::warn!(
+            "interaxial {}: a surface is {nearest:.3} from the middle of the eyes, nearer than the eyes ({radius:.3}), \
+             which see through it; choose a smaller --interaxial or another --eye",
+            pose.interaxial
+        );
+    }
+    Ok(())
 }
 
 impl Subject {
@@ -134,6 +180,7 @@ impl Subject {
                 chosen.camera
             }
         };
+        warn_of_surfaces_between_the_eyes(&renderer, &uploaded, &camera.pose()?)?;
         if self.picture.chooses_exposure(purpose != Purpose::Data && self.is_flattered()) {
             options.exposure = renderer.suggest_exposure(&uploaded, &camera, &options).wait()?;
         }
@@ -241,7 +288,8 @@ impl Subject {
         };
         let camera = self.camera.projected(self.camera.replace_parts(camera))?;
         let camera = self.camera.calibrated(camera, self.picture.size_said, &self.reading.limits())?;
-        camera.pose()?; // reports an invalid camera before the scene is uploaded
+        let pose = camera.pose()?; // reports an invalid camera before the scene is uploaded
+        check_shape(&pose)?;
         Ok(camera)
     }
 
