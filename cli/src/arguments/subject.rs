@@ -118,8 +118,8 @@ fn check_shape(pose: &Pose) -> Result<(), String> {
     }
 }
 
-/// Warns if a surface is nearer to the middle of equirectangular eyes than the eyes are. An eye then sees what is behind
-/// it, such as the next room, in some directions.
+/// Warns if a surface is nearer to the middle of equirectangular eyes than the eyes are. An eye then sees what is
+/// behind it in some directions, such as the next room.
 fn warn_of_surfaces_between_the_eyes(
     renderer: &Renderer,
     uploaded: &UploadedScene,
