@@ -230,6 +230,13 @@ impl Camera {
         Ok(dict)
     }
 
+    /// Angles in radians of a column and of a row of an equirectangular picture, or ``None`` for planar pictures. A
+    /// disparity times the first one is in radians.
+    #[getter]
+    fn radians_per_pixel(&self) -> PyResult<Option<(f64, f64)>> {
+        Ok(self.pose()?.radians_per_pixel().map(|[column, row]| (column, row)))
+    }
+
     /// Returns the disparity ``x_left - x_right`` in pixels of a point at ``depth``, in world units along the view. It
     /// is positive before the screen, 0 on it, negative behind it, and ``-interaxial_px`` at infinity. For parallel
     /// cameras it is 0 at infinity and positive before it.

@@ -312,7 +312,8 @@ impl StereoPair {
     ///
     /// Raises ``ValueError`` if no output of ground truth was requested, such as ``occlusion``. Also raises it if
     /// ``kitti`` or ``sceneflow`` get cameras that are not parallel. ``kitti`` can't hold disparities of 0 or less, or
-    /// of 256 pixels or more, and raises it for these. Raises ``OSError`` if a file can't be written.
+    /// of 256 pixels or more, and raises it for these. ``panorama`` holds equirectangular pictures, and the others
+    /// planar ones. Raises ``OSError`` if a file can't be written.
     #[pyo3(signature = (folder, layout = "middlebury", index = 0))]
     fn write(&self, py: Python<'_>, folder: PathBuf, layout: &str, index: u32) -> PyResult<Vec<PathBuf>> {
         let layout: Layout = named(layout)?;

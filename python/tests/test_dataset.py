@@ -206,15 +206,51 @@ def test_orbits_go_round_what_they_look_at():
         assert np.allclose(np.array(pair.camera.forward), -way / np.linalg.norm(way), atol=1e-5)
 
 
+@pytest.mark.parametrize("degrees", [360, 180])
+def test_points_of_pairs_all_around_are_where_their_disparities_say(degrees, tmp_path):
+    made = spec(
+        pairs=2,
+        scenes=[{"builtin": "hall"}],
+        rig={"projection": degrees, "pole_merge": False, "interaxial": {"uniform": [0.2, 0.4]}},
+        size=[256 * degrees // 360, 128],
+        render={"method": "naive"},
+        outputs=["disparity", "distance", "occlusion", "left.object", "right.object"],
+    )
+    assert dataset.make(made, str(tmp_path)).errors == []
+    files = tar(tmp_path / "small-000000.tar")
+    for item in range(2):
+        load = lambda name: np.load(io.BytesIO(files[f"{item:08}.{name}.npy"]))  # noqa: B023, E731
+        width = 256 * degrees // 360
+        picture = np.frombuffer(files[f"{item:08}.left.occlusion.png"], np.uint8)
+        seen = cv2.imdecode(picture, cv2.IMREAD_UNCHANGED) == 0  # visible to both
+        row, column = np.nonzero(seen & np.isfinite(load("left.disparity")))
+        there = column + 0.5 - load("left.disparity")[row, column]
+        there = np.floor(there % 256 if degrees == 360 else there).astype(int)
+        assert there.min() >= 0 and there.max() < width
+        # Both eyes are equally far from a point, and see the same object there.
+        far = load("left.distance")[row, column]
+        assert np.mean(np.abs(load("right.distance")[row, there] / far - 1) < 0.05) > 0.95
+        assert np.mean(load("left.object")[row, column] == load("right.object")[row, there]) > 0.95
+        interaxial = json.loads(files[f"{item:08}.json"])["interaxial"]
+        assert 0.2 <= interaxial <= 0.4
+        # The disparity follows from the horizontal distance: twice the angle of half of the eyes' distance.
+        level = (row >= 63) & (row <= 64) & np.isfinite(far)
+        angles = 2 * np.arctan(interaxial / 2 / (far[level] * np.cos(np.pi / 256)))
+        found = load("left.disparity")[row, column][level] * (2 * np.pi / 256)
+        assert level.sum() > 50 and np.abs(found - angles).max() < 1e-4
+
+
 @pytest.mark.parametrize("layout", stereotrace.LAYOUTS)
 def test_layouts_are_folders(layout, tmp_path):
-    made = spec(format=layout, pairs=2, shard_pairs=1, scenes=[{"builtin": "hall"}])
+    around = {"rig": {"projection": 360}, "size": [48, 24]} if layout == "panorama" else {}
+    made = spec(format=layout, pairs=2, shard_pairs=1, scenes=[{"builtin": "hall"}], **around)
     report = dataset.make(made, str(tmp_path))
     assert (report.made, report.errors, report.failed) == (2, [], [])
     left = {
         "middlebury": "small-000001/000001/im0.png",
         "kitti": "training/image_2/000001_10.png",  # there is one root for all shards
         "sceneflow": "small-000001/frames_finalpass/stereotrace/left/0001.png",
+        "panorama": "small-000001/000001/im0.png",
     }
     assert (tmp_path / left[layout]).is_file()
     assert not list(tmp_path.glob("*.part-*"))
@@ -708,6 +744,13 @@ def test_any_storage_of_fsspec(made):
         ({"rig": {"fx": 500, "fov": 40}}, "rig: fov and fx set the same value"),
         ({"rig": {"interaxial": 1, "baseline": 1}}, "rig: interaxial and baseline set the same value"),
         ({"rig": {"cx": 500}}, "rig.cx: it needs fx"),
+        ({"rig": {"projection": 270}}, "rig.projection: unknown 270; use planar, 360 or 180"),
+        ({"rig": {"projection": 360}}, "size: the width of a picture of 360 degrees must be twice the height"),
+        ({"rig": {"projection": 360, "fov": 40}}, "rig.fov: it is for planar pictures"),
+        ({"rig": {"projection": 180, "pole_merge": [75, 60]}}, "rig.pole_merge: it must be false, or two elevations"),
+        ({"rig": {"pole_merge": False}}, "rig.pole_merge: only equirectangular pictures have poles"),
+        ({"format": "panorama"}, "the pictures of panorama are equirectangular: set rig.projection"),
+        ({"rig": {"projection": 360}, "format": "kitti"}, "the pictures of kitti are planar"),
         ({"rig": {"fx": 0}}, "rig.fx: 0 must be above 0"),
         ({"rig": {"fx": 100, "interaxial_px": 2}}, "which is 0 for parallel cameras"),
         ({"poses": {"min_surfaces": 1.1}}, "poses.min_surfaces: 1.1 must be 0 to 1"),

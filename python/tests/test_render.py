@@ -45,8 +45,13 @@ def test_pictures_are_the_commands(renderer, hall, tmp_path, method):
 @pytest.mark.parametrize("layout", stereotrace.LAYOUTS)
 def test_data_sets_are_the_commands(renderer, hall, tmp_path, layout):
     """Both find the same cameras and write the same files, byte for byte."""
-    run("dataset", "builtin:hall", "--size", "96x64", "--pairs", 2, "--layout", layout, "--out", tmp_path / "command")
-    camera = hall.camera(size=(96, 64)).replace(screen_distance=np.inf)
+    size, projection = ("96x64", "planar") if layout != "panorama" else ("96x48", 360)
+    options = ["--size", size, "--projection", projection, "--pairs", 2, "--layout", layout]
+    run("dataset", "builtin:hall", *options, "--out", tmp_path / "command")
+    if layout == "panorama":
+        camera = hall.camera(size=(96, 48)).replace(projection=360, interaxial=0.065)
+    else:
+        camera = hall.camera(size=(96, 64)).replace(screen_distance=np.inf)
     for item in range(2):
         place, _ = renderer.free_camera(hall, camera, 0, item, max_disparity=0.2 * 96)
         pair = renderer.render(hall, place, outputs=["color", "occlusion"])

@@ -30,11 +30,16 @@ pub enum Layout {
     /// `material_index` as PFM, and `camera_data/stereotrace/0000.txt`. Concatenate the camera files to get a
     /// `camera_data.txt`. As in Scene Flow, id 0 means a miss. There is no flow and no clean pass.
     SceneFlow,
+    /// Equirectangular pairs, with a folder per pair, `000000/`: `im0.png` and `im1.png`, which name their projection
+    /// (XMP, `GPano`), `disp0.pfm` and `disp1.pfm` in columns, `distance0.pfm` and `distance1.pfm`, the masks of
+    /// [`Layout::Middlebury`], and `camera.json`. A surface at column x of the left view is at column `x - d` of the
+    /// right view, modulo the width for 360 degrees. The disparity of sky is infinite.
+    Panorama,
 }
 
 impl Layout {
     /// All layouts, starting with the default.
-    pub const ALL: &'static [Self] = &[Self::Middlebury, Self::Kitti, Self::SceneFlow];
+    pub const ALL: &'static [Self] = &[Self::Middlebury, Self::Kitti, Self::SceneFlow, Self::Panorama];
 
     /// Returns the name that [`FromStr`](std::str::FromStr) parses and [`Display`](std::fmt::Display) writes.
     pub fn name(self) -> &'static str {
@@ -42,13 +47,22 @@ impl Layout {
             Self::Middlebury => "middlebury",
             Self::Kitti => "kitti",
             Self::SceneFlow => "sceneflow",
+            Self::Panorama => "panorama",
         }
     }
 
     /// Returns whether the layout requires parallel cameras. Middlebury's `doffs` allows converged cameras, but its
     /// loaders accept no negative disparities.
     pub fn is_parallel(self) -> bool {
-        self != Self::Middlebury
+        match self {
+            Self::Kitti | Self::SceneFlow => true,
+            Self::Middlebury | Self::Panorama => false,
+        }
+    }
+
+    /// Returns whether the layout requires equirectangular pictures. The others require planar ones.
+    pub fn is_equirectangular(self) -> bool {
+        self == Self::Panorama
     }
 
     /// Returns the disparity limit of the layout's files in pixels: files can't hold disparities of this size or
@@ -60,7 +74,8 @@ impl Layout {
     /// Adds all files of a pair to a batch, and creates their folders.
     ///
     /// # Errors
-    /// [`Error::Options`] for cameras that are not parallel in a layout that requires it; for toed-in eyes; and in
+    /// [`Error::Options`] for cameras that are not parallel in a layout that requires it; for toed-in eyes; for pictures
+    /// with another projection than the layout's ([`Layout::is_equirectangular`]); and in
     /// Middlebury's layout for a negative disparity. [`Error::Io`] as [`Batch::add`], as [`Batch::add_kitti_disparity`]
     /// for a disparity that does not fit, and in Scene Flow's layout for an id over `2^24 - 1`.
     pub fn add(
@@ -73,10 +88,14 @@ impl Layout {
     ) -> Result<(), Error> {
         let fault = |reason: String| Err(Error::Options { option: "layout", reason: format!("{self}: {reason}") });
         match pair.pose.projection {
+            Projection::OffAxis if self.is_equirectangular() => {
+                return fault("its pictures must be equirectangular, but these are planar".into());
+            }
             Projection::OffAxis => {}
             Projection::ToeIn => {
                 return fault("its pairs must be rectified, but the eyes of this pair are toed in".into());
             }
+            Projection::Equirectangular(_) if self.is_equirectangular() => {}
             Projection::Equirectangular(_) => {
                 return fault("its pictures must be planar, but these are equirectangular".into());
             }
@@ -101,6 +120,7 @@ impl Layout {
             Self::Middlebury => middlebury(batch, &root, index, pair, truth),
             Self::Kitti => kitti(batch, &root, index, pair, truth),
             Self::SceneFlow => scene_flow(batch, &root, index, pair, truth),
+            Self::Panorama => panorama(batch, &root, index, pair, truth),
         }
     }
 }
@@ -141,14 +161,40 @@ fn middlebury(
     let file = |name: &str| root.file(&format!("{index:06}/{name}"));
     for (eye, (view, truth)) in [(&pair.left, &truth.left), (&pair.right, &truth.right)].into_iter().enumerate() {
         batch.add_png(file(&format!("im{eye}.png"))?, &view.picture())?;
-        let known = truth.disparity.iter().zip(truth.surfaces());
-        let known =
-            Vec::from_iter(known.map(|(&disparity, is_surface)| if is_surface { disparity } else { f32::INFINITY }));
-        batch.add_pfm(file(&format!("disp{eye}.pfm"))?, truth.width, truth.height, &known)?;
-        batch.add_known_nocc_mask(file(&format!("mask{eye}nocc.png"))?, truth)?;
-        batch.add_sky_mask(file(&format!("mask{eye}sky.png"))?, truth)?;
+        add_disparity(batch, &file, eye, truth)?;
     }
     batch.add_calib(file("calib.txt")?, truth)
+}
+
+/// Adds an eye's disparity and masks in Middlebury's formats. `file` returns the path of a name.
+fn add_disparity(
+    batch: &mut Batch,
+    file: &impl Fn(&str) -> Result<PathBuf, Error>,
+    eye: usize,
+    truth: &EyeTruth,
+) -> Result<(), Error> {
+    let known = truth.disparity.iter().zip(truth.surfaces());
+    let known =
+        Vec::from_iter(known.map(|(&disparity, is_surface)| if is_surface { disparity } else { f32::INFINITY }));
+    batch.add_pfm(file(&format!("disp{eye}.pfm"))?, truth.width, truth.height, &known)?;
+    batch.add_known_nocc_mask(file(&format!("mask{eye}nocc.png"))?, truth)?;
+    batch.add_sky_mask(file(&format!("mask{eye}sky.png"))?, truth)
+}
+
+fn panorama(
+    batch: &mut Batch,
+    root: &Root<'_>,
+    index: u32,
+    pair: &StereoPair,
+    truth: &GroundTruth,
+) -> Result<(), Error> {
+    let file = |name: &str| root.file(&format!("{index:06}/{name}"));
+    for (eye, (view, truth)) in [(&pair.left, &truth.left), (&pair.right, &truth.right)].into_iter().enumerate() {
+        batch.add_panorama_png(file(&format!("im{eye}.png"))?, view, &pair.pose)?;
+        add_disparity(batch, &file, eye, truth)?;
+        batch.add_pfm(file(&format!("distance{eye}.pfm"))?, truth.width, truth.height, &truth.distance)?;
+    }
+    batch.add_camera_json(file("camera.json")?, &pair.pose)
 }
 
 fn kitti(batch: &mut Batch, root: &Root<'_>, index: u32, pair: &StereoPair, truth: &GroundTruth) -> Result<(), Error> {

@@ -221,11 +221,16 @@ impl<'a> FreePoses<'a> {
         }
         let hits = renderer.closest_hits(uploaded, &rays).await?.hits;
         let (seen, between) = hits.split_at(2 * across * down);
-        let too_far_aside = |hit: &RayHit| pose.disparity_px(hit.t).abs() >= f64::from(self.disparity);
+        let disparity = pose.disparities_of_rows();
+        let too_far_aside = |(index, hit): (usize, &RayHit)| {
+            let row = index % (across * down) / across;
+            let row = (2 * row + 1) * height / (2 * down);
+            disparity(row, hit.t).abs() >= f64::from(self.disparity)
+        };
         let surfaces = seen[..across * down].iter().filter(|hit| hit.t.is_finite()).count();
         if between.iter().any(|hit| hit.t.is_finite()) {
             rejected.blocked += 1;
-        } else if seen.iter().any(too_far_aside) {
+        } else if seen.iter().enumerate().any(too_far_aside) {
             rejected.disparity += 1;
         } else if (surfaces as f32) < self.surfaces * (across * down) as f32 {
             rejected.empty += 1;

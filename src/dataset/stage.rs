@@ -13,8 +13,9 @@ use super::{
     },
 };
 use crate::{
-    Builtin, Error, Light, Material, MaterialId, MissingTextures, Origin, OutsideFiles, Renderer, Scene, SceneFile,
-    SceneOptions, Sky, SkyMap, StereoCamera, Update, UploadedScene, camera::Intrinsics,
+    Builtin, Error, Light, Material, MaterialId, MissingTextures, Origin, OutsideFiles, Projection, Renderer, Scene,
+    SceneFile, SceneOptions, Sky, SkyMap, StereoCamera, Update, UploadedScene,
+    camera::{HUMAN_INTERAXIAL, Intrinsics},
 };
 
 /// Default limit of disparities, as a share of the width. Stereo matchers rarely search farther.
@@ -148,6 +149,13 @@ impl Stage {
         let (own, rig) = (self.camera(spec, index)?, &spec.rig);
         let draw =
             |value: &Option<_>, name: &str| value.as_ref().map(|value| draws.draw(value, &format!("rig.{name}")));
+        let separation = draw(&rig.interaxial, "interaxial").or_else(|| draw(&rig.baseline, "baseline"));
+        if let Some(around) = rig.around {
+            let camera = own.projection(Projection::Equirectangular(around.projection()));
+            let camera = camera.interaxial(separation.map_or(HUMAN_INTERAXIAL, |separation| separation as f32));
+            camera.pose()?;
+            return Ok(camera);
+        }
         let mut camera = own;
         let distance = rig.screen_distance.as_ref().map(|value| draws.draw(value, "rig.screen_distance").0 as f32);
         let distance = distance.or_else(|| spec.format.layout().map(|_| f32::INFINITY));
@@ -161,7 +169,6 @@ impl Stage {
         if let Some(degrees) = draw(&rig.fov, "fov") {
             camera = camera.vertical_fov_degrees(degrees as f32);
         }
-        let separation = draw(&rig.interaxial, "interaxial").or_else(|| draw(&rig.baseline, "baseline"));
         if let Some(fx) = draw(&rig.fx, "fx") {
             let [width, height] = spec.size.map(f64::from);
             let center = [draw(&rig.cx, "cx").unwrap_or(width / 2.0), draw(&rig.cy, "cy").unwrap_or(height / 2.0)];
@@ -220,7 +227,12 @@ impl Stage {
         draws: &Draws,
         (clearance, limit, surfaces): (Option<&Drawn<f64>>, Option<f64>, Option<f64>),
     ) -> Result<RandomPose, Error> {
-        let limit = limit.unwrap_or(DISPARITY_SHARE * f64::from(spec.size[0])) as f32;
+        // Near the poles of equirectangular pictures, disparities are as large as the picture.
+        let usual = match spec.rig.around {
+            None => DISPARITY_SHARE * f64::from(spec.size[0]),
+            Some(_) => f64::INFINITY,
+        };
+        let limit = limit.unwrap_or(usual) as f32;
         let of_format = spec.format.layout().map_or(f32::INFINITY, |layout| layout.disparity_limit());
         let mut poses = FreePoses::new(&self.scene, camera, draws.seed)?.disparity(limit.min(of_format));
         if let Some(clearance) = clearance {

@@ -225,6 +225,9 @@ impl StereoCamera {
     /// Returns the errors of [`StereoCamera::pose`].
     pub fn parallel(self) -> Result<Self, Error> {
         let pose = self.pose()?;
+        if pose.projection.equirectangular().is_some() {
+            return Ok(self);
+        }
         let mut camera = self.interaxial(pose.interaxial).screen_distance(f32::INFINITY);
         // A screen at infinity has no width.
         if let Aperture::ScreenWidth(_) = camera.aperture {

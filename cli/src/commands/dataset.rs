@@ -34,10 +34,11 @@ const PAIRS: u32 = 20;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// Layout of the files: middlebury (2014), kitti (2015) or sceneflow. Cameras are parallel unless --screen,
-    /// --cameras or --calib is given. Only middlebury accepts a finite screen, with all disparities 0 or more
-    #[arg(long, default_value_t)]
-    layout: Layout,
+    /// Layout of the files: middlebury (2014), kitti (2015), sceneflow, or panorama for --projection 360 or 180.
+    /// Cameras are parallel unless --screen, --cameras or --calib is given. Only middlebury accepts a finite screen,
+    /// with all disparities 0 or more [default: the one of these that suits the projection: middlebury or panorama]
+    #[arg(long)]
+    layout: Option<Layout>,
     /// Number of pairs, from random cameras in the scene's free space. --seed selects the cameras [default: 20]
     #[arg(
         long,
@@ -77,15 +78,22 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     if !arguments.subject.screen_is_said() {
         stage.camera = stage.camera.parallel()?;
     }
+    let around = stage.camera.projection_kind().equirectangular();
+    let usual = if around.is_some() { Layout::Panorama } else { Layout::Middlebury };
+    let layout = arguments.layout.unwrap_or(usual);
+    if layout.is_equirectangular() != around.is_some() {
+        let advice = if around.is_some() { "use --layout panorama" } else { "add --projection 360 or 180" };
+        return Err(format!("--layout {layout}: its pictures have another projection; {advice}").into());
+    }
     let motion = arguments.motion.motion(&arguments.subject, stage.camera)?;
     let count = motion.as_ref().map_or(arguments.pairs.unwrap_or(PAIRS), Motion::frames);
     let range = arguments.items.clone().unwrap_or(0..count);
     if range.end > count {
         return Err(format!("--items {}..{}: the data set has {count}", range.start, range.end).into());
     }
-    let settings = (arguments.layout, count, &motion, arguments.max_disparity, arguments.clearance, arguments.exr);
+    let settings = (layout, count, &motion, arguments.max_disparity, arguments.clearance, arguments.exr);
     let stop = Stop::on_signals()?;
-    let spec = spec(arguments, &stage, count, motion.is_some())?;
+    let spec = spec(arguments, &stage, (layout, count), motion.is_some())?;
     let mut manifest = Manifest::open(&folder, &record::of(&arguments.subject, &stage.scene, &settings)?)?;
     let pending = Vec::from_iter(range.clone().filter(|item| !manifest.done.contains(item)));
 
@@ -105,7 +113,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         }
         // Another command may have rendered this pair already.
         if !manifest.has(item)? {
-            match make(arguments, (&mut maker, &mut renderer), motion.as_ref(), item, &folder, &mut progress) {
+            match make((arguments, layout), (&mut maker, &mut renderer), motion.as_ref(), item, &folder, &mut progress)
+            {
                 Ok(line) => made += usize::from(manifest.add(item, &line)?),
                 Err(error) => {
                     // A failed pair does not stop the others. The next run tries it again.
@@ -131,12 +140,12 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         "{} in {} as {}: {seconds:.1} s{each}{kept_too}\n",
         counted(made, "pair", "pairs"),
         shown(&folder),
-        arguments.layout
+        layout
     );
     let json = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "adapter": renderer.gpu().adapter_name(),
-        "layout": arguments.layout.name(),
+        "layout": layout.name(),
         "rendered": made,
         "kept": kept,
         "seconds": seconds,
@@ -146,7 +155,12 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
 }
 
 /// Returns the spec of the arguments. Its only scene is the stage's scene.
-fn spec(arguments: &Arguments, stage: &Stage, count: u32, has_motion: bool) -> Result<Spec, Box<dyn Error>> {
+fn spec(
+    arguments: &Arguments,
+    stage: &Stage,
+    (layout, count): (Layout, u32),
+    has_motion: bool,
+) -> Result<Spec, Box<dyn Error>> {
     let options = &stage.options;
     let elsewhere = ["seed", "exposure", "count"];
     let settings = Setting::ALL.iter().filter(|setting| !elsewhere.contains(&setting.name));
@@ -160,13 +174,21 @@ fn spec(arguments: &Arguments, stage: &Stage, count: u32, has_motion: bool) -> R
     if stage.scene.lights.is_empty() {
         scene["lights"] = json!(0); // else a spec places lights
     }
+    let rig = match stage.camera.projection_kind().equirectangular() {
+        None => json!({}),
+        Some(around) => json!({
+            "projection": around.span.degrees(),
+            "pole_merge": around.merge.map_or(json!(false), |merge| json!([merge.from, merge.to])),
+        }),
+    };
     let spec = json!({
         "seed": options.seed,
         "pairs": count,
-        "format": arguments.layout.name(),
+        "format": layout.name(),
         "size": stage.camera.pose()?.size,
         "scenes": [scene],
         "poses": poses,
+        "rig": rig,
         "randomise": { "exposure": options.exposure },
         "render": render,
     });
@@ -182,7 +204,7 @@ fn spec(arguments: &Arguments, stage: &Stage, count: u32, has_motion: bool) -> R
 
 /// Renders one pair and writes its files. Returns its line of the manifest.
 fn make(
-    arguments: &Arguments,
+    (arguments, layout): (&Arguments, Layout),
     (maker, renderer): (&mut PairMaker, &mut Renderer),
     motion: Option<&Motion>,
     item: u32,
@@ -196,7 +218,7 @@ fn make(
     };
     let truth = made.truth.as_ref().ok_or("a layout needs ground truth")?;
     let mut batch = Batch::new();
-    arguments.layout.add(&mut batch, folder, item, &made.pair, truth)?;
+    layout.add(&mut batch, folder, item, &made.pair, truth)?;
     let more = |kind: &str| -> Result<PathBuf, Box<dyn Error>> {
         fs::create_dir_all(folder.join(kind)).map_err(|error| format!("{}: {error}", shown(&folder.join(kind))))?;
         Ok(folder.join(kind).join(format!("{item:06}.{}", if kind == "exr" { "exr" } else { "json" })))

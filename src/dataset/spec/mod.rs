@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
 use super::{Layout, draws::Drawn};
-use crate::{Builtin, Channel, Error, Options};
+use crate::{Builtin, Channel, Equirectangular, Error, Options, PoleMerge, Span};
 
 /// The checked spec of a data set.
 ///
@@ -239,6 +239,38 @@ pub(super) struct Rig {
     pub(super) cx: Option<Drawn<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) cy: Option<Drawn<f64>>,
+    #[serde(flatten)]
+    pub(super) around: Option<AroundEntry>,
+}
+
+/// Projection of equirectangular pictures.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct AroundEntry {
+    #[serde(serialize_with = "in_degrees")]
+    pub(super) projection: Span,
+    pub(super) pole_merge: MergeEntry,
+}
+
+fn in_degrees<S: Serializer>(span: &Span, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_u32(span.degrees() as u32)
+}
+
+/// Elevations in degrees between which the eyes approach each other, or false.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum MergeEntry {
+    Angles([f64; 2]),
+    Off(bool),
+}
+
+impl AroundEntry {
+    pub(super) fn projection(self) -> Equirectangular {
+        let merge = match self.pole_merge {
+            MergeEntry::Angles([from, to]) => Some(PoleMerge { from: from as f32, to: to as f32 }),
+            MergeEntry::Off(_) => None,
+        };
+        Equirectangular { span: self.projection, merge }
+    }
 }
 
 /// A length, or infinity, which is written as `"inf"`, since JSON has no infinity.

@@ -5,15 +5,15 @@ use std::path::PathBuf;
 use serde_json::{Map, Value};
 
 use super::{
-    CameraEntry, Distance, Eye, Format, LightEntry, Lights, OriginEntry, Poses, RandomLights, RandomMaterials,
-    Randomise, Rig, SceneEntry, SkyEntry, Source, Spec,
+    AroundEntry, CameraEntry, Distance, Eye, Format, LightEntry, Lights, MergeEntry, OriginEntry, Poses, RandomLights,
+    RandomMaterials, Randomise, Rig, SceneEntry, SkyEntry, Source, Spec,
     fields::{
         Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
         text, whole, within,
     },
 };
 use crate::{
-    Builtin, Channel, Error, Lighting, Maker, Method, Options,
+    Builtin, Channel, Error, Lighting, Maker, Method, Options, PoleMerge,
     dataset::draws::{Drawn, PLACES, Span},
 };
 
@@ -56,13 +56,18 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     let is_layout = format.layout().is_some();
     let (render, options) = render.unwrap_or_default();
     let (names, arrays) = outputs.unwrap_or_else(|| arrays(["color", "disparity", "occlusion"].map(String::from)));
+    let default_size = match rig.as_ref().and_then(|rig: &Rig| rig.around).map(|around| around.projection) {
+        None => [640, 480],
+        Some(crate::Span::Full) => [1024, 512],
+        Some(crate::Span::Half) => [512, 512],
+    };
     let spec = Spec {
         name: name.unwrap_or_else(|| "pairs".into()),
         seed: seed.unwrap_or(0),
         pairs: fields.needed("pairs", pairs)?,
         shard_pairs: shard_pairs.unwrap_or(64),
         format,
-        size: size.unwrap_or([640, 480]),
+        size: size.unwrap_or(default_size),
         scenes: fields.needed("scenes", scenes)?,
         poses: poses.unwrap_or(Poses::Free { clearance: None, max_disparity: None, min_surfaces: None }),
         rig: rig.unwrap_or_default(),
@@ -267,7 +272,15 @@ fn poses(value: &Value, at: &str) -> Result<Poses, Error> {
 
 fn rig(value: &Value, at: &str) -> Result<Rig, Error> {
     let fields = Fields::of(value, at)?;
+    let projection = fields.get("projection", projection)?.flatten();
+    let pole_merge = fields.get("pole_merge", pole_merge)?;
+    if let (None, Some(_)) = (projection, pole_merge) {
+        return fault(&fields.path("pole_merge"), "only equirectangular pictures have poles: set rig.projection");
+    }
+    let PoleMerge { from, to } = PoleMerge::default();
+    let usual = MergeEntry::Angles([from.into(), to.into()]);
     let found = Rig {
+        around: projection.map(|projection| AroundEntry { projection, pole_merge: pole_merge.unwrap_or(usual) }),
         interaxial: fields.get("interaxial", drawn(from_zero()))?,
         interaxial_px: fields.get("interaxial_px", drawn(from_zero()))?,
         baseline: fields.get("baseline", drawn(from_zero()))?,
@@ -279,6 +292,15 @@ fn rig(value: &Value, at: &str) -> Result<Rig, Error> {
         cy: fields.get("cy", drawn(finite))?,
     };
     fields.end()?;
+    let planar = [
+        ("interaxial_px", found.interaxial_px.is_some()),
+        ("screen_distance", found.screen_distance.is_some()),
+        ("fov", found.fov.is_some()),
+        ("fx", found.fx.is_some()),
+    ];
+    if let (Some(_), Some((key, _))) = (found.around, planar.iter().find(|(_, is_given)| *is_given)) {
+        return fault(&fields.path(key), "it is for planar pictures; equirectangular ones have no screen");
+    }
     let separations =
         [("interaxial", &found.interaxial), ("interaxial_px", &found.interaxial_px), ("baseline", &found.baseline)];
     for same in [&separations[..], &[("fov", &found.fov), ("fx", &found.fx)]] {
@@ -290,6 +312,26 @@ fn rig(value: &Value, at: &str) -> Result<Rig, Error> {
     match [("fy", &found.fy), ("cx", &found.cx), ("cy", &found.cy)].iter().find(|(_, value)| value.is_some()) {
         Some((key, _)) if found.fx.is_none() => fault(&fields.path(key), "it needs fx"),
         _ => Ok(found),
+    }
+}
+
+/// Reads the degrees of equirectangular pictures, or `planar`.
+fn projection(value: &Value, at: &str) -> Result<Option<crate::Span>, Error> {
+    match (value.as_str(), value.as_f64().and_then(crate::Span::from_degrees)) {
+        (Some("planar"), _) => Ok(None),
+        (_, Some(span)) => Ok(Some(span)),
+        _ => fault(at, format!("unknown {}; use planar, 360 or 180", shown(value))),
+    }
+}
+
+fn pole_merge(value: &Value, at: &str) -> Result<MergeEntry, Error> {
+    if *value == Value::Bool(false) {
+        return Ok(MergeEntry::Off(false));
+    }
+    let [from, to] = array(number)(value, at)?;
+    match 0.0 <= from && from < to && to <= 90.0 {
+        true => Ok(MergeEntry::Angles([from, to])),
+        false => fault(at, "it must be false, or two elevations in degrees: 0 or more, and a larger one up to 90"),
     }
 }
 
@@ -446,6 +488,24 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
         return fault("outputs", "albedo needs light by paths; set render.lighting");
     }
     let layout = spec.format.layout();
+    if let Some(layout) = layout.filter(|layout| layout.is_equirectangular() != spec.rig.around.is_some()) {
+        let reason = match layout.is_equirectangular() {
+            true => format!("the pictures of {layout} are equirectangular: set rig.projection to 360 or 180"),
+            false => format!("the pictures of {layout} are planar: use panorama, webdataset or parquet"),
+        };
+        return fault("format", reason);
+    }
+    if let Some(AroundEntry { projection, .. }) = spec.rig.around {
+        let [width, height] = spec.size;
+        let (expected, shape) = match projection {
+            crate::Span::Full => (2 * height, "twice the height"),
+            crate::Span::Half => (height, "the height"),
+        };
+        if width != expected {
+            let degrees = projection.degrees();
+            return fault("size", format!("the width of a picture of {degrees} degrees must be {shape}"));
+        }
+    }
     // Cameras with one cx for both eyes are parallel, unless a screen distance is given.
     let is_parallel = match &spec.rig.screen_distance {
         None => layout.is_some() || spec.rig.fx.is_some(),

@@ -111,6 +111,13 @@ impl Circle {
 }
 
 impl Pose {
+    /// Returns the angles of a column and of a row of an equirectangular picture in radians; `None` for planar
+    /// pictures. A disparity in columns times the first angle is the angle at which both eyes see a point from its
+    /// distance.
+    pub fn radians_per_pixel(&self) -> Option<[f64; 2]> {
+        self.circle().map(|circle| circle.steps)
+    }
+
     /// Returns the viewing circle of an equirectangular pose.
     pub(crate) fn circle(&self) -> Option<Circle> {
         match self.field {
