@@ -74,10 +74,10 @@ impl Layout {
     /// Adds all files of a pair to a batch, and creates their folders.
     ///
     /// # Errors
-    /// [`Error::Options`] for cameras that are not parallel in a layout that requires it; for toed-in eyes; for pictures
-    /// with another projection than the layout's ([`Layout::is_equirectangular`]); and in
-    /// Middlebury's layout for a negative disparity. [`Error::Io`] as [`Batch::add`], as [`Batch::add_kitti_disparity`]
-    /// for a disparity that does not fit, and in Scene Flow's layout for an id over `2^24 - 1`.
+    /// [`Error::Options`] for cameras that are not parallel in a layout that requires it; for toed-in eyes; for
+    /// pictures with another projection than the layout's ([`Layout::is_equirectangular`]); and in Middlebury's layout
+    /// for a negative disparity. [`Error::Io`] as [`Batch::add`], as [`Batch::add_kitti_disparity`] for a disparity
+    /// that does not fit, and in Scene Flow's layout for an id over `2^24 - 1`.
     pub fn add(
         self,
         batch: &mut Batch,
