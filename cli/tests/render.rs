@@ -99,7 +99,6 @@ fn pictures_all_around_have_the_names_that_players_read() {
         (["--interaxial-px", "4"], "--interaxial-px is for planar pictures"),
         (["--pole-merge", "80:70"], "pole merge is 80 to 70 degrees"),
         (["--pole-merge", "high"], "it must be off, or two elevations"),
-        (["--method", "adelson-hodges"], "adelson-hodges makes planar pictures only"),
         (["--size", "100x100"], "100x100: the width of a picture of 360 degrees must be twice the height"),
     ] {
         let message = error_of(&[&["render", "builtin:hall", "--projection", "360"][..], &options].concat());

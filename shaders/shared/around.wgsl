@@ -1,7 +1,7 @@
 // Tiles of equirectangular pictures: bounds of all points that their rays see, and bounds of primitives' pixels
 // (docs/BRACKET.md, "All around").
 
-//! use angles, boxes, camera, frame, primitive, projection, tiles
+//! use angles, boxes, camera, frame, primitive, projection, tiles, triangle
 
 //! if camera is around
 // Largest half of a tile's range of azimuths whose bounds are tested. Wider tiles, in pictures of a few columns, may
@@ -28,6 +28,19 @@ struct Projection {
     is_narrow: bool,
 }
 
+// The middle ray of the tile at work, about which the volumes between rays and edges are linear.
+struct MiddleRay {
+    ahead: vec3f,        // level direction
+    aside: vec3f,
+    place: vec2f,        // column and row
+    elevation: vec2f,    // cosine and sine
+    radius: f32,
+    spread: f32,         // of radii in the tile's rows
+    half: f32,           // sum of the angles across and down to the farthest ray
+}
+
+var<private> middle_ray: MiddleRay;
+
 fn projection_of(tile: Tile) -> Projection {
     let step = frame.eyes.column_step;
     let middle = f32(tile.corner.x) + 0.5 * f32(tile.size.x);
@@ -50,6 +63,16 @@ fn projection_of(tile: Tile) -> Projection {
     // The left side is bounded by dot(p, n(a0)) >= r cos(2 half), and the right one by dot(p, n(a1)) <= r.
     let double = 2.0 * half.x * half.x - 1.0;
     let least_double = select(most_radius, least, double >= 0.0) * double;
+    let place = vec2f(middle, f32(tile.corner.y) + 0.5 * f32(tile.size.y));
+    middle_ray = MiddleRay(
+        forward,
+        aside,
+        place,
+        unit_at((frame.eyes.middle.y - place.y) * frame.eyes.row_step),
+        0.5 * (least + most_radius),
+        most_radius - least,
+        half_width + (0.5 * f32(tile.size.y) - 0.5 + frame.eyes.wider) * frame.eyes.row_step,
+    );
     let up = frame.eyes.up_axis;
     let high = unit_at(top);
     let low = unit_at(bottom);
@@ -161,7 +184,58 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
 }
 
 //! if camera is around and canvas is picture
-fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 { return ALL_BLOCKS; }
+// The volume that a ray spans with an edge is W / cos p for the ray's elevation p, with N the edge's normal at the
+// circle's centre and E the edge: W = (N f + R E u) cos p + (N u - R E f) sin p, where f is the ray's azimuth and u is
+// up. The first and second derivatives of W by both angles are at most |N| + R |E|.
+struct EdgeValues {
+    first: f32,    // of W at the centre of the first block
+    across: f32,   // change per column
+    down: f32,     // change per row
+    reach: f32,    // bounds the change of W from a block's centre to its rays, and all errors
+}
+
+// Returns the blocks of a tile, one bit each, in which some ray may pass a triangle's edges on one side.
+fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
+    let a = primitive.a - frame.eyes.centre;
+    let b = primitive.b - frame.eyes.centre;
+    let c = primitive.c - frame.eyes.centre;
+    // Rays that intersect_triangle may find uncertain count as possible hits.
+    let far = sqrt(dot(a, a)) + middle_ray.radius + middle_ray.spread + primitive.reach;
+    let doubtful = far * primitive.reach * (2.0 * DOUBT);
+    let first = vec2f(tile.corner) + 1.0 - middle_ray.place;
+    let of_a = edge_values(b, c, first, doubtful);
+    let of_b = edge_values(c, a, first, doubtful);
+    let of_c = edge_values(a, b, first, doubtful);
+    let values = vec3f(of_a.first, of_b.first, of_c.first);
+    let across = vec3f(of_a.across, of_b.across, of_c.across);
+    let down = vec3f(of_a.down, of_b.down, of_c.down);
+    let reach = vec3f(of_a.reach, of_b.reach, of_c.reach);
+    return blocks_of_row(values, across, reach)
+        | (blocks_of_row(values + 2.0 * down, across, reach) << 4u)
+        | (blocks_of_row(values + 4.0 * down, across, reach) << 8u)
+        | (blocks_of_row(values + 6.0 * down, across, reach) << 12u);
+}
+
+fn edge_values(p: vec3f, q: vec3f, first: vec2f, doubtful: f32) -> EdgeValues {
+    let normal = edge_normal(p, q); // twice the cross product
+    let edge = 2.0 * (q - p);
+    let radius = middle_ray.radius;
+    let elevation = middle_ray.elevation;
+    let level = dot(normal, middle_ray.ahead) + radius * dot(edge, frame.eyes.up_axis);
+    let upright = dot(normal, frame.eyes.up_axis) - radius * dot(edge, middle_ray.ahead);
+    let level_turn = dot(normal, middle_ray.aside);
+    let upright_turn = -radius * dot(edge, middle_ray.aside);
+    let across = (level_turn * elevation.x + upright_turn * elevation.y) * frame.eyes.column_step;
+    let down = (level * elevation.y - upright * elevation.x) * frame.eyes.row_step;
+    let size = components(edge);
+    let most = components(normal) + radius * size;
+    let curved = 0.5 * MORE * middle_ray.half * middle_ray.half * most;
+    let origin = middle_ray.spread + (components(frame.eyes.centre) + radius) * (1.0 / 4194304.0);
+    let rounding = most * (1.0 / 262144.0) + size * origin + doubtful;
+    let reach = (0.5 + frame.eyes.wider) * (abs(across) + abs(down)) + curved + rounding;
+    let value = level * elevation.x + upright * elevation.y;
+    return EdgeValues(value + across * first.x + down * first.y, across, down, reach);
+}
 
 //! if camera is around and planes is some
 // Returns whether some ray of a tile may meet a plane.

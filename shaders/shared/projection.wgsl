@@ -120,6 +120,7 @@ fn triangle_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return select(EVERYWHERE, bounds, near > 0.0);
 }
 
+//! end
 fn components(v: vec3f) -> f32 {
     return abs(v.x) + abs(v.y) + abs(v.z);
 }
@@ -164,6 +165,7 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
         | (blocks_of_row(values + 6.0 * down, across, reach) << 12u);
 }
 
+//! if canvas is picture
 // Tests the four blocks of a row at once.
 fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
     let columns = vec4f(0.0, 2.0, 4.0, 6.0);

@@ -21,6 +21,9 @@ pub struct Gpu {
     pub(crate) timestamps: bool,
     lost: Arc<Mutex<Option<String>>>,
     pub(super) pipelines: Arc<Held>,
+    /// Held while a thread polls the device.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) polling: Arc<Mutex<()>>,
 }
 
 /// Locks a mutex. If another thread's panic poisoned it, its value is still consistent here.
@@ -143,6 +146,8 @@ impl Gpu {
             timestamps: device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
             lost: Arc::default(),
             pipelines: Arc::default(),
+            #[cfg(not(target_arch = "wasm32"))]
+            polling: Arc::default(),
             device,
             queue,
         })

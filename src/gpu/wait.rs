@@ -23,6 +23,7 @@ mod target {
     use std::{future::poll_fn, task::Poll, time::Duration};
 
     use super::Gpu;
+    use crate::gpu::lock;
 
     /// Maximum time for which one poll of a future blocks its thread.
     const SLICE: Duration = Duration::from_millis(5);
@@ -40,7 +41,13 @@ mod target {
         pub(super) async fn wait(&self, submission: Submission) -> Result<(), String> {
             loop {
                 let index = Some(submission.0.clone());
-                match self.device.poll(wgpu::PollType::Wait { submission_index: index, timeout: Some(SLICE) }) {
+                let waiting = wgpu::PollType::Wait { submission_index: index, timeout: Some(SLICE) };
+                let polled = {
+                    // wgpu 30 panics if the queue becomes empty by another thread's poll after a wait has timed out.
+                    let _alone = lock(&self.polling);
+                    self.device.poll(waiting)
+                };
+                match polled {
                     Ok(_) => return Ok(()),
                     Err(wgpu::PollError::Timeout) => let_others_run().await,
                     Err(error) => return Err(error.to_string()),

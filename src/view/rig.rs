@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::camera::Field;
-use crate::{Error, Method, Options, Pose, Projection, StereoCamera, Visibility};
+use crate::{Error, Options, Pose, Projection, StereoCamera, Visibility};
 
 /// Least number of views for which two traced views are better than one. Each other view then has a nearer source view,
 /// and most have traced views on both sides. This leaves far fewer shadow rays. With 45 views, each other view then
@@ -239,20 +239,13 @@ impl Eyes {
     /// Checks that the options are for these eyes.
     ///
     /// # Errors
-    /// [`Error::Options`] for equirectangular pictures by the T-buffer or by Adelson & Hodges's sweep on the host.
+    /// [`Error::Options`] for equirectangular pictures by the T-buffer.
     pub(crate) fn check(&self, options: &Options) -> Result<(), Error> {
-        let fault = |option, what: &str| {
-            Err(Error::Options {
-                option,
-                reason: format!("{what} makes planar pictures only, no equirectangular ones"),
-            })
-        };
-        match self.model() {
-            CameraModel::Planar => Ok(()),
-            CameraModel::Around if options.visibility == Visibility::TBuffer => fault("visibility", "the T-buffer"),
-            CameraModel::Around if options.method == Method::ADELSON_HODGES => fault("method", "adelson-hodges"),
-            CameraModel::Around => Ok(()),
+        if self.model() == CameraModel::Around && options.visibility == Visibility::TBuffer {
+            let reason = "the T-buffer makes planar pictures only, no equirectangular ones".into();
+            return Err(Error::Options { option: "visibility", reason });
         }
+        Ok(())
     }
 
     /// Returns the camera model of kernels.

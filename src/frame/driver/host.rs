@@ -2,7 +2,7 @@
 
 use web_time::Instant;
 
-use super::{Driver, sweep::sweep};
+use super::{Driver, sweep::Sweep};
 use crate::{
     BufferDepth, Error,
     frame::plan::{Host, Step},
@@ -28,7 +28,7 @@ impl Driver<'_> {
         let source = targets.get(Resource::View, self.eyes.sources[view]);
         let source: Vec<layout::Pixel> = gpu.read(source, rows.end).await?;
         let depths: Vec<f32> = source[rows.clone()].iter().map(|pixel| pixel.depth).collect();
-        let keys = sweep(&self.eyes.uniform(view, 0.0), width, &depths);
+        let keys = Sweep::of(self.eyes, view, &band).keys(&depths);
         let marked: Vec<_> = keys.into_iter().map(|marks| layout::Pixel { marks, ..Default::default() }).collect();
         let offset = (rows.start * size_of::<layout::Pixel>()) as u64;
         gpu.queue.write_buffer(targets.get(Resource::View, view), offset, bytemuck::cast_slice(&marked));
