@@ -48,11 +48,11 @@ pub(crate) struct Interrupted {
 
 impl fmt::Display for Interrupted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.of == 1 {
-            return f.write_str("interrupted before the pair was finished");
+        if !self.can_go_on {
+            return f.write_str("interrupted");
         }
-        let advice = if self.can_go_on { "; run the same command again to make the rest" } else { "" };
-        write!(f, "interrupted after {} of {} pairs{advice}", self.done, self.of)
+        let advice = "run the same command again to make the rest";
+        write!(f, "interrupted after {} of {} pairs; {advice}", self.done, self.of)
     }
 }
 

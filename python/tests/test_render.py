@@ -49,11 +49,11 @@ def test_data_sets_are_the_commands(renderer, hall, tmp_path, layout):
     options = ["--size", size, "--projection", projection, "--pairs", 2, "--layout", layout]
     run("dataset", "builtin:hall", *options, "--out", tmp_path / "command")
     if layout == "panorama":
-        camera = hall.camera(size=(96, 48)).replace(projection=360, interaxial=0.065)
+        camera, limit = hall.camera(size=(96, 48)).replace(projection=360, interaxial=0.065), np.inf
     else:
-        camera = hall.camera(size=(96, 64)).replace(screen_distance=np.inf)
+        camera, limit = hall.camera(size=(96, 64)).replace(screen_distance=np.inf), 0.2 * 96
     for item in range(2):
-        place, _ = renderer.free_camera(hall, camera, 0, item, max_disparity=0.2 * 96)
+        place, _ = renderer.free_camera(hall, camera, 0, item, max_disparity=limit)
         pair = renderer.render(hall, place, outputs=["color", "occlusion"])
         written = pair.write(tmp_path / "python", layout, item)
         assert len(written) >= 5

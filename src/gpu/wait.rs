@@ -44,6 +44,7 @@ mod target {
                 let waiting = wgpu::PollType::Wait { submission_index: index, timeout: Some(SLICE) };
                 let polled = {
                     // wgpu 30 panics if the queue becomes empty by another thread's poll after a wait has timed out.
+                    // Polls by the caller, or by another `Gpu` of the same device, remain possible.
                     let _alone = lock(&self.polling);
                     self.device.poll(waiting)
                 };

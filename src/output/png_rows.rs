@@ -2,8 +2,12 @@
 
 use std::{
     fs::File,
-    io::{self, Read, Seek, SeekFrom, Write},
+    io::{self, Write},
     path::Path,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
 };
 
 use super::{
@@ -16,9 +20,6 @@ use crate::{Error, Pose};
 
 /// Number of file bytes in each write.
 const CHUNK: usize = 1 << 16;
-
-/// Type and checksum of a PNG file's last chunk, which has no content.
-const END: [u8; 8] = *b"IEND\xae\x42\x60\x82";
 
 /// A PNG file with 8 bits per channel that is written as its pixels arrive
 /// ([`FrameBuilder::rows`](crate::FrameBuilder::rows)). Only a few rows are kept in memory. The file has a temporary
@@ -38,7 +39,9 @@ const END: [u8; 8] = *b"IEND\xae\x42\x60\x82";
 /// # Ok::<(), stereotrace::Error>(())
 /// ```
 pub struct PngRows {
-    stream: png::StreamWriter<'static, File>,
+    stream: png::StreamWriter<'static, Output>,
+    /// Whether a write has failed. The encoder drops the errors of its last writes.
+    has_failed: Arc<AtomicBool>,
     open: OpenFile,
     size: [u32; 2],
     /// Number of pixels written.
@@ -67,11 +70,12 @@ impl PngRows {
         let kind = PngKind { color: png::ColorType::Rgba, depth: png::BitDepth::Eight, is_srgb: true };
         let open = OpenFile::create(path)?;
         let file = open.file.try_clone().map_err(|error| Error::io(path, error))?;
-        let mut encoder = kind.encoder(file, width, height);
+        let has_failed = Arc::<AtomicBool>::default();
+        let mut encoder = kind.encoder(Output { file, has_failed: has_failed.clone() }, width, height);
         let noted = xmp.map_or(Ok(()), |xmp| encoder.add_itxt_chunk("XML:com.adobe.xmp".into(), xmp));
         let stream = noted.and_then(|()| encoder.write_header()?.into_stream_writer_with_size(CHUNK));
         let stream = stream.map_err(|error| Error::unwritable(path, error))?;
-        Ok(Self { stream, open, size: [width, height], written: 0 })
+        Ok(Self { stream, has_failed, open, size: [width, height], written: 0 })
     }
 
     /// Writes the next pixels, row-major from the top, as sRGB with alpha. A call may end within a row.
@@ -108,22 +112,33 @@ impl Batch {
     /// [`Error::Io`], naming its path, if it can't be written, or has fewer pixels than its size.
     pub fn add_png_rows(&mut self, rows: PngRows) -> Result<(), Error> {
         rows.check_whole()?;
-        let PngRows { stream, mut open, .. } = rows;
+        let PngRows { stream, has_failed, open, .. } = rows;
         stream.finish().map_err(|error| Error::unwritable(&open.path, error))?;
-        match has_end(&mut open.file) {
-            Ok(true) => self.close(open),
-            Ok(false) => Err(Error::unwritable(&open.path, "its last bytes could not be written")),
-            Err(error) => Err(Error::io(&open.path, error)),
+        if has_failed.load(Ordering::Relaxed) {
+            return Err(Error::unwritable(&open.path, "its last bytes could not be written"));
         }
+        self.close(open)
     }
 }
 
-/// Returns whether the file has its last chunk. The encoder drops the error of that write.
-fn has_end(file: &mut File) -> io::Result<bool> {
-    let mut last = [0; END.len()];
-    file.seek(SeekFrom::End(-(END.len() as i64)))?;
-    file.read_exact(&mut last)?;
-    Ok(last == END)
+/// A file that remembers whether a write has failed.
+struct Output {
+    file: File,
+    has_failed: Arc<AtomicBool>,
+}
+
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes);
+        if written.as_ref().is_err_and(|error| error.kind() != io::ErrorKind::Interrupted) {
+            self.has_failed.store(true, Ordering::Relaxed);
+        }
+        written
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 #[cfg(test)]

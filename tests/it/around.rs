@@ -118,7 +118,7 @@ fn bracket_rays_are_naive_by_every_kind_of_frame() {
     }
 }
 
-/// Bands of rows, views that stay on the device, and rows as they are made: the same pictures.
+/// Rows as they are made are those of the whole picture, also where it has several bands.
 #[test]
 fn bands_and_rows_are_the_whole_picture() {
     let mut renderer = renderer();

@@ -5,8 +5,8 @@ use crate::common;
 
 use common::{gpu, has_small_bands, random_stage, renderer};
 use stereotrace::{
-    AmbientOcclusion, EncodedView, Error, GBuffer, Gpu, Light, Method, Options, Renderer, Rig, Rows, Scene, Sky,
-    StereoCamera, View, Visibility, blocking::Wait, glam::Vec3, wgpu,
+    AmbientOcclusion, Builtin, EncodedView, Equirectangular, Error, GBuffer, Gpu, Light, Method, Options, Projection,
+    Renderer, Rig, Rows, Scene, Sky, Span, StereoCamera, View, Visibility, blocking::Wait, glam::Vec3, wgpu,
 };
 
 /// Returns a camera whose picture has two bands of 64 rows, and 30 rows more.
@@ -176,6 +176,26 @@ fn a_sky_alone_is_encoded_whole_in_every_band() {
     assert!(pair.left.rgba8.iter().all(|pixel| *pixel == pair.left.rgba8[0]));
     assert_shows(&gpu, &encoded.views[0], &pair.left, "left");
     assert_shows(&gpu, &encoded.views[1], &pair.right, "right");
+}
+
+#[test]
+fn equirectangular_views_are_encoded_too() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(gpu.clone());
+    let uploaded = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
+    let projection = Projection::Equirectangular(Equirectangular::new(Span::Full));
+    let camera = Builtin::Hall.camera(128, 64).interaxial(0.2).projection(projection);
+    for method in [Method::BRACKET, Method::ATOMIC] {
+        let options = Options::new(method).g_buffer(GBuffer::Depth);
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let encoded = renderer.pair(&uploaded, &camera).options(&options).encode(&mut encoder).wait().unwrap();
+        gpu.queue().submit([encoder.finish()]);
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
+        for (encoded, view) in encoded.views.iter().zip([&pair.left, &pair.right]) {
+            assert_shows(&gpu, encoded, view, &method.to_string());
+        }
+        assert_eq!(read(&gpu, &encoded.unfinished), [0; 4], "{method}");
+    }
 }
 
 #[test]

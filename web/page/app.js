@@ -472,15 +472,16 @@ canvas.addEventListener("pointermove", (event) => {
     const height = canvas.clientHeight;
     const [dx, dy] = [(after.x - before.x) / height, (after.y - before.y) / height];
     const span = around();
+    const other = [...pointers].find(([id]) => id !== event.pointerId)?.[1];
+    const apart = (point) => Math.max(1, Math.hypot(point.x - other.x, point.y - other.y));
     if (span) {
-        const angle = head.pixel(1);
+        const angle = head.pixel(1) / (other ? 2 : 1);
+        if (other) head.zoom(apart(before) / apart(after));
         pointers.set(event.pointerId, after);
         head.turn(-dx * angle, dy * angle, span);
         return draw(swing);
     }
-    const other = [...pointers].find(([id]) => id !== event.pointerId)?.[1];
     if (other) {
-        const apart = (point) => Math.max(1, Math.hypot(point.x - other.x, point.y - other.y));
         // Each of two fingers moves the middle by half of its own movement.
         camera = panned(nearer(camera, apart(before) / apart(after)), dx / 2, dy / 2);
     } else if (event.shiftKey || event.buttons & 6) {

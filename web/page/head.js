@@ -35,11 +35,15 @@ export class Head {
         /** Angles to the right and upwards in radians, and the vertical field of view in degrees. */
         [this.right, this.up, this.fov] = [0, 0, FOV.begin];
         this.canvas = document.createElement("canvas");
-        /** @type {{ gl: WebGL2RenderingContext, place: (name: string) => WebGLUniformLocation | null } | null} */
+        /** @type {{ gl: WebGL2RenderingContext, most: number, place: (name: string) => WebGLUniformLocation | null } | null} */
         this.drawing = null;
         /** @type {ImageBitmap | null} */
         this.uploaded = null;
-        this.canvas.addEventListener("webglcontextlost", () => { this.drawing = null; });
+        this.canvas.addEventListener("webglcontextlost", (event) => {
+            event.preventDefault(); // else it is never restored
+            this.drawing = null;
+            this.uploaded = null;
+        });
     }
 
     /** Looks ahead, at an angle upwards in radians. @param {number} up */
@@ -65,7 +69,7 @@ export class Head {
     }
 
     /**
-     * Returns what the head sees, or null without WebGL.
+     * Returns what the head sees, or null without WebGL and for a picture larger than its textures.
      * @param {ImageBitmap} picture @param {number} views number of views side by side in the picture
      * @param {360 | 180} span @param {readonly number[]} size width and height of one view's part
      * @returns {HTMLCanvasElement | null}
@@ -73,7 +77,8 @@ export class Head {
     see(picture, views, span, [width, height]) {
         this.drawing ??= opened(this.canvas);
         if (!this.drawing) return null;
-        const { gl, place } = this.drawing;
+        const { gl, place, most } = this.drawing;
+        if (gl.isContextLost() || Math.max(picture.width, picture.height) > most) return null;
         [this.canvas.width, this.canvas.height] = [views * width, height];
         gl.viewport(0, 0, views * width, height);
         if (this.uploaded !== picture) {
@@ -96,7 +101,7 @@ export class Head {
 /** @param {HTMLCanvasElement} canvas */
 function opened(canvas) {
     const gl = canvas.getContext("webgl2", { alpha: false, antialias: false });
-    if (!gl) return null;
+    if (!gl || gl.isContextLost()) return null;
     const program = gl.createProgram();
     for (const [kind, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, VERTICES], [gl.FRAGMENT_SHADER, COLORS]])) {
         const shader = /** @type {WebGLShader} */ (gl.createShader(kind));
@@ -111,5 +116,6 @@ function opened(canvas) {
     for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR], [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) {
         gl.texParameteri(gl.TEXTURE_2D, name, value);
     }
-    return { gl, place: (/** @type {string} */ name) => gl.getUniformLocation(program, name) };
+    const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
+    return { gl, most, place: (/** @type {string} */ name) => gl.getUniformLocation(program, name) };
 }

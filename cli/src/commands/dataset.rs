@@ -48,7 +48,7 @@ pub(crate) struct Arguments {
     )]
     pairs: Option<u32>,
     /// Reject cameras with a disparity of PX pixels or more, before or behind the screen [default: a fifth of the
-    /// width; at most 256 for kitti]
+    /// width; at most 256 for kitti; none for panorama]
     #[arg(long, value_name = "PX", value_parser = above_zero, allow_hyphen_values = true)]
     max_disparity: Option<f32>,
     /// Reject cameras with a surface nearer than this, in world units [default: twice the interaxial (baseline)]

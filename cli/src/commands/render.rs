@@ -117,6 +117,7 @@ impl Job<'_> {
         let arguments = self.arguments;
         let purpose = if arguments.compare { Purpose::Data } else { Purpose::Pictures };
         let mut stage = arguments.subject.open(purpose, global)?;
+        self.check_stop()?;
         let begin = Instant::now();
         let pose = stage.camera.pose()?;
         let eyes = arguments.eyes.suiting(&pose);
@@ -145,9 +146,16 @@ impl Job<'_> {
             self.add_rest(&mut batch, &mut stage, &pair, &eyes)?;
         }
         let difference = arguments.compare.then(|| difference_to_naive(&mut stage, &pair)).transpose()?;
+        self.check_stop()?;
         let files = batch.commit()?;
         let StereoPair { pose, statistics, .. } = &pair;
         Ok(Report { arguments, stage: &stage, pose, statistics, seen, wall, difference, files: &files }.summary())
+    }
+
+    /// # Errors
+    /// Fails if a signal has asked the program to stop.
+    fn check_stop(&self) -> Result<(), Interrupted> {
+        if self.stop.is_asked_for() { Err(INTERRUPTED) } else { Ok(()) }
     }
 
     /// Returns the options of the frame.

@@ -23,7 +23,8 @@ pub(crate) struct WallTimes {
     pub(crate) read: Duration,
     /// Building the BVH and uploading it.
     pub(crate) build: Duration,
-    /// Building the pipelines, rendering and reading the pictures back.
+    /// Building the pipelines, rendering and reading the pictures back. Pictures whose rows are written as they arrive
+    /// are compressed meanwhile.
     pub(crate) render: Duration,
 }
 

@@ -79,6 +79,14 @@ impl Place {
         }
     }
 
+    /// Returns whether the cameras of two places differ.
+    pub(super) fn is_elsewhere(&self, other: &Self) -> bool {
+        match self.fov {
+            Some(_) => self != other,
+            None => Self { screen_distance: other.screen_distance, ..*self } != *other,
+        }
+    }
+
     pub(super) fn eye(&self) -> DVec3 {
         self.eye
     }
@@ -167,7 +175,9 @@ impl Place {
     pub(super) fn move_screen(&mut self, factor: f64) {
         if self.screen_distance.is_finite() {
             self.screen_distance *= factor;
-            self.reach = self.screen_distance;
+            if self.fov.is_some() {
+                self.reach = self.screen_distance;
+            }
         } else if factor < 1.0 {
             self.screen_distance = self.reach;
         }

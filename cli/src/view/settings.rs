@@ -137,7 +137,7 @@ impl Settings {
 
     /// Returns whether the camera or the picture's size differs from the command line's.
     pub(super) fn is_moved(&self) -> bool {
-        self.place != self.begin.place || self.size() != self.begin.size
+        self.place.is_elsewhere(&self.begin.place) || self.size() != self.begin.size
     }
 
     /// Returns the camera of a whole picture. If nothing has moved, the result is the command line's own camera, so

@@ -60,7 +60,8 @@ pub(super) fn eye_size(look: Look, [width, height]: [u32; 2]) -> [u32; 2] {
 }
 
 impl Shown {
-    fn new(Sight { look, cut }: Sight, size: [u32; 2], encoded: bool) -> Self {
+    /// `exchanged` says whether the first texture is the right view.
+    fn new(Sight { look, cut }: Sight, size: [u32; 2], encoded: bool, exchanged: bool) -> Self {
         let one = |k: f32| [[k, 0.0, 0.0], [0.0, k, 0.0], [0.0, 0.0, k]];
         let (left, right) = match look {
             Look::Anaglyph(kind) => kind.matrices(),
@@ -74,8 +75,9 @@ impl Shown {
         let size = eye_size(look, size);
         let share = |span| if span == Span::Full { 1.0 } else { 0.5 };
         let padded = |matrix: DMat3| matrix.to_cols_array_2d().map(|[x, y, z]| [x as f32, y as f32, z as f32, 0.0]);
+        let [of_first, of_second] = cut.map_or([DMat3::ZERO; 2], |cut| cut.to_pair).map(padded);
         Self {
-            to_pair: cut.map_or([DMat3::ZERO; 2], |cut| cut.to_pair).map(padded),
+            to_pair: if exchanged { [of_second, of_first] } else { [of_first, of_second] },
             turn: cut.map_or(0.0, |cut| share(cut.span)),
             pixel: cut.map_or(0.0, |cut| (2.0 * cut.tangent / f64::from(size[1])) as f32),
             padding: [0; 2],
@@ -110,6 +112,8 @@ pub(super) struct Show {
     stretch: wgpu::Sampler,
     wrap: wgpu::Sampler,
     eyes: [wgpu::Texture; 2],
+    /// Whether the eyes are exchanged.
+    swap: bool,
     panel: wgpu::Texture,
 }
 
@@ -138,11 +142,12 @@ impl Show {
         let eyes = [0, 1].map(|_| texture(&device, "eye", [1, 1]));
         let panel = texture(&device, "panel", [1, 1]);
         let pipeline = pipeline(&device, &module, format);
-        Self { device, queue, module, pipeline, format, uniforms, stretch, wrap, eyes, panel }
+        Self { device, queue, module, pipeline, format, uniforms, stretch, wrap, eyes, swap: false, panel }
     }
 
     /// Uploads another pair, with its eyes exchanged if `swap`.
     pub(super) fn set_pair(&mut self, pair: &StereoPair, swap: bool) {
+        self.swap = swap;
         let eyes = if swap { [&pair.right, &pair.left] } else { [&pair.left, &pair.right] };
         for (to, View { width, height, rgba8, .. }) in self.eyes.iter_mut().zip(eyes) {
             fill(&self.device, &self.queue, to, ("eye", [*width, *height]), rgba8);
@@ -205,9 +210,9 @@ impl Show {
         pipeline: &wgpu::RenderPipeline,
         format: wgpu::TextureFormat,
     ) -> wgpu::CommandEncoder {
-        let shown = Shown::new(sight, [target.width(), target.height()], !format.is_srgb());
-        self.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&shown));
         let crossed = sight.look == Look::Beside { crossed: true };
+        let shown = Shown::new(sight, [target.width(), target.height()], !format.is_srgb(), crossed != self.swap);
+        self.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&shown));
         let [left, right] = [0, 1].map(|eye| view(&self.eyes[if crossed { 1 - eye } else { eye }]));
         let panel = view(&self.panel);
         let resources = [
@@ -419,7 +424,7 @@ mod tests {
     fn windows_that_take_encoded_values_show_the_same() {
         let (pair, gpu) = setting();
         let format = wgpu::TextureFormat::Rgba8Unorm;
-        let shown = Shown::new(plain(LEFT), SIZE, !format.is_srgb());
+        let shown = Shown::new(plain(LEFT), SIZE, !format.is_srgb(), false);
         assert_eq!((shown.encoded, shown.size), (1, SIZE));
         let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), format);
         show.set_pair(pair, false);
@@ -429,7 +434,7 @@ mod tests {
 
     #[test]
     fn parts_of_equirectangular_pairs_are_what_planar_cameras_see() {
-        let (_, gpu) = setting();
+        let gpu = Gpu::open("software").wait().unwrap(); // other tests poll theirs
         let mut renderer = Renderer::new(gpu.clone());
         let scene = renderer.upload(&Builtin::Hall.scene()).wait().unwrap();
         let options = Options::new(Method::Naive).samples(4);
@@ -480,6 +485,17 @@ mod tests {
                     "{span:?} {right} {up} {eye}: {errors:?}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn each_view_keeps_its_own_turn_when_the_eyes_are_exchanged() {
+        let cut = Head::new(Span::Full).cut(0.4, 1.0);
+        let [left, right] = cut.to_pair.map(|matrix| matrix.x_axis.z as f32);
+        assert!((left + right).abs() < 1e-6 && left < -0.1);
+        for (exchanged, expected) in [(false, [left, right]), (true, [right, left])] {
+            let shown = Shown::new(Sight { look: LEFT, cut: Some(cut) }, SIZE, true, exchanged);
+            assert_eq!(shown.to_pair.map(|matrix| matrix[0][2]), expected);
         }
     }
 }
