@@ -32,7 +32,7 @@ pub enum Layout {
     SceneFlow,
     /// Equirectangular pairs, with a folder per pair, `000000/`: `im0.png` and `im1.png`, which name their projection
     /// (XMP, `GPano`), `disp0.pfm` and `disp1.pfm` in columns, `distance0.pfm` and `distance1.pfm`, the masks of
-    /// [`Layout::Middlebury`], and `camera.json`. A surface at column x of the left view is at column `x - d` of the
+    /// [`Layout::Middlebury`], and `camera.json` (feature `json`). A surface at column x of the left view is at column `x - d` of the
     /// right view, modulo the width for 360 degrees. The disparity of sky is infinite.
     Panorama,
 }
@@ -194,7 +194,9 @@ fn panorama(
         add_disparity(batch, &file, eye, truth)?;
         batch.add_pfm(file(&format!("distance{eye}.pfm"))?, truth.width, truth.height, &truth.distance)?;
     }
-    batch.add_camera_json(file("camera.json")?, &pair.pose)
+    #[cfg(feature = "json")]
+    batch.add_camera_json(file("camera.json")?, &pair.pose)?;
+    Ok(())
 }
 
 fn kitti(batch: &mut Batch, root: &Root<'_>, index: u32, pair: &StereoPair, truth: &GroundTruth) -> Result<(), Error> {
