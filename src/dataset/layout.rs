@@ -32,8 +32,8 @@ pub enum Layout {
     SceneFlow,
     /// Equirectangular pairs, with a folder per pair, `000000/`: `im0.png` and `im1.png`, which name their projection
     /// (XMP, `GPano`), `disp0.pfm` and `disp1.pfm` in columns, `distance0.pfm` and `distance1.pfm`, the masks of
-    /// [`Layout::Middlebury`], and `camera.json` (feature `json`). A surface at column x of the left view is at column `x - d` of the
-    /// right view, modulo the width for 360 degrees. The disparity of sky is infinite.
+    /// [`Layout::Middlebury`], and with the feature `json` also `camera.json`. A surface at column x of the left view
+    /// is at column `x - d` of the right view, modulo the width for 360 degrees. The disparity of sky is infinite.
     Panorama,
 }
 
