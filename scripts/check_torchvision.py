@@ -141,7 +141,7 @@ def main() -> None:
     os.environ.setdefault("STEREOTRACE_ADAPTER", "software")
     print(f"torchvision {torchvision.__version__}, stereotrace {stereotrace.__version__}")
     scenes = [("hall-finished", {"kind": "free"}), ("spheres", {"kind": "orbit"})]
-    for layout in stereotrace.LAYOUTS:
+    for layout in ("middlebury", "kitti", "sceneflow"):
         for scene, poses in scenes:
             with tempfile.TemporaryDirectory() as out:
                 values = {
