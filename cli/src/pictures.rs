@@ -33,7 +33,7 @@ struct PictureFile {
     to: Destination,
 }
 
-/// What a picture shows.
+/// The views in a picture.
 enum Content {
     Left,
     Right,

@@ -210,10 +210,7 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let across = vec3f(of_a.across, of_b.across, of_c.across);
     let down = vec3f(of_a.down, of_b.down, of_c.down);
     let reach = vec3f(of_a.reach, of_b.reach, of_c.reach);
-    return blocks_of_row(values, across, reach)
-        | (blocks_of_row(values + 2.0 * down, across, reach) << 4u)
-        | (blocks_of_row(values + 4.0 * down, across, reach) << 8u)
-        | (blocks_of_row(values + 6.0 * down, across, reach) << 12u);
+    return blocks_of_rows(values, across, down, reach);
 }
 
 fn edge_values(p: vec3f, q: vec3f, first: vec2f, doubtful: f32) -> EdgeValues {

@@ -159,13 +159,19 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
         components(normal_c),
     ) * (1.0 / 1048576.0) + doubtful;
     let reach = (0.5 + frame.eyes.wider) * (abs(across) + abs(down)) + rounding;
+    return blocks_of_rows(values, across, down, reach);
+}
+
+//! if canvas is picture
+// Returns the blocks of a tile, one bit each, in which the values of all three planes may have one sign. `values` are
+// those at the centre of the first block, and change by `across` and `down` per pixel.
+fn blocks_of_rows(values: vec3f, across: vec3f, down: vec3f, reach: vec3f) -> u32 {
     return blocks_of_row(values, across, reach)
         | (blocks_of_row(values + 2.0 * down, across, reach) << 4u)
         | (blocks_of_row(values + 4.0 * down, across, reach) << 8u)
         | (blocks_of_row(values + 6.0 * down, across, reach) << 12u);
 }
 
-//! if canvas is picture
 // Tests the four blocks of a row at once.
 fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
     let columns = vec4f(0.0, 2.0, 4.0, 6.0);

@@ -11,8 +11,8 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    Builtin, CameraPath, Equirectangular, GBuffer, Method, Options, Pose, Ray, Renderer, Scene, SceneFile, Span,
-    StereoCamera, StereoPair, UploadedScene, blocking::Wait, glam::Vec3,
+    Builtin, CameraPath, GBuffer, Method, Options, Pose, Ray, Renderer, Scene, SceneFile, StereoCamera, StereoPair,
+    UploadedScene, blocking::Wait, glam::Vec3,
 };
 
 use super::{CameraArguments, Global, LightArguments, PictureArguments, ReadingArguments};
@@ -104,17 +104,12 @@ pub(crate) fn depths(
     Ok((ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1)))
 }
 
-/// Checks that an equirectangular picture has the shape that players expect: as many degrees per column as per row.
+/// Checks that an equirectangular picture has the shape that players expect.
 fn check_shape(pose: &Pose) -> Result<(), String> {
-    let Some(Equirectangular { span, .. }) = pose.projection.equirectangular() else { return Ok(()) };
     let [width, height] = pose.size;
-    let (expected, shape) = match span {
-        Span::Full => (2 * u64::from(height), "twice the height"),
-        Span::Half => (u64::from(height), "the height"),
-    };
-    match u64::from(width) == expected {
-        true => Ok(()),
-        false => Err(format!("{width}x{height}: the width of a picture of {} degrees must be {shape}", span.degrees())),
+    match pose.projection.equirectangular().and_then(|around| around.span.shape_fault(pose.size)) {
+        None => Ok(()),
+        Some(fault) => Err(format!("{width}x{height}: {fault}")),
     }
 }
 

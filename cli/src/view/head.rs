@@ -68,13 +68,23 @@ impl Head {
         self.fov
     }
 
+    /// Returns the tangent of half the vertical field of view.
+    fn tangent(&self) -> f64 {
+        (0.5 * self.fov).to_radians().tan()
+    }
+
+    /// Returns the angle of a pixel in the middle of a window of this height, in radians.
+    pub(super) fn pixel(&self, height: u32) -> f64 {
+        2.0 * self.tangent() / f64::from(height)
+    }
+
     /// Returns the pictures for both eyes. A point at the horizontal distance `screen` from the eyes has no parallax.
     pub(super) fn cut(&self, interaxial: f64, screen: f64) -> Cut {
         // The left eye sees such a point to the right of its azimuth, by the angle at the viewing circle.
         let inwards = (0.5 * interaxial / screen).atan();
         let to_pair = [inwards, -inwards]
             .map(|inwards| DMat3::from_rotation_y(self.azimuth + inwards) * DMat3::from_rotation_x(-self.elevation));
-        Cut { span: self.span, to_pair, tangent: (0.5 * self.fov).to_radians().tan() }
+        Cut { span: self.span, to_pair, tangent: self.tangent() }
     }
 }
 

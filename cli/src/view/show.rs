@@ -27,7 +27,7 @@ pub(super) enum Look {
     One { right: bool },
 }
 
-/// What the window shows of a pair.
+/// Arrangement of a pair in the window, and the part of it that the window shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sight {
     pub(super) look: Look,

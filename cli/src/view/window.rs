@@ -286,8 +286,8 @@ impl App {
     fn drag(&mut self, button: Button, [x, y]: [f64; 2]) {
         let height = self.settings.shown_size()[1].max(1);
         if let Some(head) = &mut self.settings.head {
-            // What is in the middle of the window follows the mouse.
-            let angle = 2.0 * (0.5 * head.fov().to_radians()).tan() / f64::from(height);
+            // The scene in the middle of the window follows the mouse, if the head is level.
+            let angle = head.pixel(height);
             head.turn(-x * angle, y * angle);
             return self.refresh();
         }

@@ -329,7 +329,7 @@ fn pole_merge(value: &Value, at: &str) -> Result<MergeEntry, Error> {
         return Ok(MergeEntry::Off(false));
     }
     let [from, to] = array(number)(value, at)?;
-    match 0.0 <= from && from < to && to <= 90.0 {
+    match (PoleMerge { from: from as f32, to: to as f32 }).is_valid() {
         true => Ok(MergeEntry::Angles([from, to])),
         false => fault(at, "it must be false, or two elevations in degrees: 0 or more, and a larger one up to 90"),
     }
@@ -495,16 +495,8 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
         };
         return fault("format", reason);
     }
-    if let Some(AroundEntry { projection, .. }) = spec.rig.around {
-        let [width, height] = spec.size;
-        let (expected, shape) = match projection {
-            crate::Span::Full => (2 * height, "twice the height"),
-            crate::Span::Half => (height, "the height"),
-        };
-        if width != expected {
-            let degrees = projection.degrees();
-            return fault("size", format!("the width of a picture of {degrees} degrees must be {shape}"));
-        }
+    if let Some(reason) = spec.rig.around.and_then(|around| around.projection.shape_fault(spec.size)) {
+        return fault("size", reason);
     }
     // Cameras with one cx for both eyes are parallel, unless a screen distance is given.
     let is_parallel = match &spec.rig.screen_distance {

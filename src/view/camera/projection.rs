@@ -62,6 +62,13 @@ impl Default for PoleMerge {
     }
 }
 
+impl PoleMerge {
+    /// Returns whether the elevations are in order, from the horizon to the pole.
+    pub(crate) fn is_valid(self) -> bool {
+        0.0 <= self.from && self.from < self.to && self.to <= 90.0
+    }
+}
+
 impl Projection {
     /// Returns the settings of equirectangular pictures, or `None` for planar ones.
     pub fn equirectangular(self) -> Option<Equirectangular> {
@@ -87,6 +94,17 @@ impl Span {
         self.radians().to_degrees()
     }
 
+    /// Returns what is wrong with the size of a picture in pixels, or `None` if it has as many degrees per column as
+    /// per row, as players expect.
+    pub fn shape_fault(self, [width, height]: [u32; 2]) -> Option<String> {
+        let (expected, shape) = match self {
+            Self::Full => (2 * u64::from(height), "twice the height"),
+            Self::Half => (u64::from(height), "the height"),
+        };
+        let fault = || format!("the width of a picture of {} degrees must be {shape}", self.degrees());
+        (u64::from(width) != expected).then(fault)
+    }
+
     /// Returns the range of azimuths in radians.
     pub(crate) fn radians(self) -> f64 {
         match self {
@@ -104,10 +122,11 @@ impl Equirectangular {
 
     /// Checks the angles of the merge.
     pub(super) fn check(self) -> Result<(), Error> {
-        let Some(PoleMerge { from, to }) = self.merge else { return Ok(()) };
-        if 0.0 <= from && from < to && to <= 90.0 {
+        let Some(merge) = self.merge else { return Ok(()) };
+        if merge.is_valid() {
             return Ok(());
         }
+        let PoleMerge { from, to } = merge;
         let reason = "the first must be at least 0, the second larger, and at most 90";
         fault("pole merge", format!("{from} to {to} degrees"), reason)
     }
