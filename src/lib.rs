@@ -36,6 +36,7 @@
 //! | write anaglyphs and other files | [`output`] |
 //! | show pictures while paths refine them | [`Passes`] |
 //! | get disparity, occlusion and normals | [`GroundTruth`], [`Channel`] |
+//! | get optical flow and scene flow | [`Flow`], [`Renderer::flow`] |
 //! | compare pictures | [`metrics`] |
 //! | trace my own rays | [`Ray`], [`Renderer::closest_hits`] |
 //! | draw into my own GPU program | [`Gpu::from_device`], [`FrameBuilder::encode`] |
@@ -177,6 +178,7 @@ pub use scene::{
 };
 pub use truth::channels::{Channels, Values};
 pub use truth::disparity::Occlusion;
+pub use truth::flow::{EyeFlow, Flow, FlowClass, Moment};
 pub use truth::ground_truth::{EyeTruth, GroundTruth};
 pub use truth::occlusion::Occlusions;
 pub use truth::surface::Surface;

@@ -165,6 +165,25 @@ impl Scene {
         Ok(())
     }
 
+    /// Describes how a scene's objects differ from this scene's in more than their positions; `None` if they do not.
+    pub(crate) fn other_topology(&self, other: &Self) -> Option<String> {
+        let counts =
+            |scene: &Self| [scene.mesh_objects.len(), scene.spheres.len(), scene.ellipsoids.len(), scene.planes.len()];
+        let kinds = ["meshes", "spheres", "ellipsoids", "planes"];
+        let lists = kinds.iter().zip(counts(self)).zip(counts(other));
+        if let Some(((kind, own), found)) = lists.into_iter().find(|((_, own), found)| own != found) {
+            return Some(format!("it has {found} {kind} instead of {own}"));
+        }
+        let size = |scene: &Self, object: usize| {
+            let end = scene.mesh_objects.get(object + 1).map(|next| next.first_primitive as usize);
+            end.unwrap_or(scene.triangles.len()) - scene.mesh_objects[object].first_primitive as usize
+        };
+        let object = (0..self.mesh_objects.len()).find(|&object| size(self, object) != size(other, object))?;
+        let [own, found] = [self, other].map(|scene| size(scene, object));
+        let name = self.object_name(object as u32);
+        Some(format!("mesh {object} '{name}' has {found} triangles instead of {own}"))
+    }
+
     fn replace_and_warn(&mut self, object: u32, range: Range<usize>, by: Vec<Triangle>) {
         let (dropped, whole) = (self.dropped, range.start..range.start + by.len());
         self.replace_triangles(range, by);

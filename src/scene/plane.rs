@@ -2,7 +2,7 @@
 
 use std::ops::{Range, RangeInclusive};
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::{MaterialId, Scene, Stamp, checks::check_coordinate};
 use crate::Error;
@@ -87,6 +87,13 @@ impl Plane {
     /// Returns the vector whose dot product with an offset is the texture coordinate u.
     pub(crate) fn u_per_unit(&self) -> Vec3 {
         (self.in_plane().normalize_or_zero() / f64::from(self.tile)).as_vec3()
+    }
+
+    /// Returns the axes of texture coordinates, with the length of a tile, and the unit normal.
+    pub(crate) fn axes(&self) -> DMat3 {
+        let (u, normal) = (self.in_plane().normalize_or_zero(), self.normal.as_dvec3().normalize_or_zero());
+        let tile = f64::from(self.tile);
+        DMat3::from_cols(u * tile, normal.cross(u) * tile, normal)
     }
 
     /// Returns the part of the unit `u_axis` that lies in the plane.

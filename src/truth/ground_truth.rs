@@ -100,7 +100,11 @@ impl Renderer {
         scene: &Scene,
         pair: &StereoPair,
     ) -> Result<GroundTruth, Error> {
-        check(uploaded, scene, pair)?;
+        check_pair(pair)?;
+        if !uploaded.is_of(scene) {
+            let reason = "neither it nor the scene it was cloned from was uploaded, or it has changed since".into();
+            return Err(Error::Scene { element: "the ground truth's scene".into(), reason });
+        }
         let occlusions = self.occlusions(uploaded, pair).await?;
         let (left, right) = (pair.disparity(), pair.right_disparity());
         Ok(GroundTruth {
@@ -111,7 +115,8 @@ impl Renderer {
     }
 }
 
-fn check(uploaded: &UploadedScene, scene: &Scene, pair: &StereoPair) -> Result<(), Error> {
+/// Checks that a pair shows the surfaces at its pixels' centres, and has their ids.
+pub(super) fn check_pair(pair: &StereoPair) -> Result<(), Error> {
     let fault = |option, reason: String| Err(Error::Options { option, reason });
     if [&pair.left, &pair.right].iter().any(|view| view.primitive.len() != view.rgba8.len()) {
         return fault("g_buffer", "ground truth needs depths and ids; use GBuffer::Ids".into());
@@ -122,10 +127,6 @@ fn check(uploaded: &UploadedScene, scene: &Scene, pair: &StereoPair) -> Result<(
         let method = pair.statistics.method;
         let reason = format!("{method} shows points up to half a pixel off; use naive, auto or a bracket method");
         return fault("method", format!("ground truth is for pixel centres, but {reason}"));
-    }
-    if !uploaded.is_of(scene) {
-        let reason = "neither it nor the scene it was cloned from was uploaded, or it has changed since".into();
-        return Err(Error::Scene { element: "the ground truth's scene".into(), reason });
     }
     Ok(())
 }

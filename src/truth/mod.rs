@@ -2,6 +2,7 @@
 
 pub(crate) mod channels;
 pub(crate) mod disparity;
+pub(crate) mod flow;
 pub(crate) mod ground_truth;
 pub mod metrics;
 pub(crate) mod occlusion;

@@ -125,11 +125,15 @@ impl Pixels {
 
     /// Returns the origin of the ray through a pixel's centre, and its direction, whose length makes t the depth.
     pub(crate) fn ray(&self, column: usize, row: usize) -> (DVec3, DVec3) {
+        self.ray_through([column as f64 + 0.5, row as f64 + 0.5])
+    }
+
+    /// Returns the ray through a point of the picture like [`Pixels::ray`]. Columns and rows count from the top left
+    /// corner, with pixel centres at halves.
+    pub(crate) fn ray_through(&self, place: [f64; 2]) -> (DVec3, DVec3) {
         match self {
-            Self::Planar(pixels) => (pixels.other_eye + pixels.aside, pixels.direction(column, row)),
-            Self::Around { circle, pose, side } => {
-                in_world(pose, circle.ray([column as f64 + 0.5, row as f64 + 0.5], *side))
-            }
+            Self::Planar(pixels) => (pixels.other_eye + pixels.aside, pixels.direction(place)),
+            Self::Around { circle, pose, side } => in_world(pose, circle.ray(place, *side)),
         }
     }
 
@@ -139,7 +143,7 @@ impl Pixels {
             Self::Planar(pixels) => {
                 // A point in the plane of the eyes has no direction of this length; it is out of frame.
                 let aside = if z > 0.0 { pixels.aside / f64::from(z) } else { DVec3::ZERO };
-                (pixels.other_eye, pixels.direction(column, row) + aside)
+                (pixels.other_eye, pixels.direction([column as f64 + 0.5, row as f64 + 0.5]) + aside)
             }
             Self::Around { circle, pose, side } => {
                 let row = row as f64 + 0.5;
@@ -152,9 +156,9 @@ impl Pixels {
 }
 
 impl PlanarPixels {
-    /// Returns the direction through a pixel's centre, of length 1 along the view axis.
-    fn direction(&self, column: usize, row: usize) -> DVec3 {
-        self.corner + self.right * (column as f64 + 0.5) + self.down * (row as f64 + 0.5)
+    /// Returns the direction through a point of the picture, of length 1 along the view axis.
+    fn direction(&self, [column, row]: [f64; 2]) -> DVec3 {
+        self.corner + self.right * column + self.down * row
     }
 }
 

@@ -1,6 +1,6 @@
 //! The surface at a hit, in f64 on the host: normals, barycentric coordinates, object and material.
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use crate::{
     MISS, MaterialId, Ray, RayHit, Scene,
@@ -76,6 +76,58 @@ pub(super) fn at(scene: &Scene, primitive: u32, (origin, direction): (DVec3, DVe
     }
 }
 
+/// A point of a primitive that moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moved {
+    /// Its position relative to the scene's origin, now and at the other time.
+    pub(super) positions: [DVec3; 2],
+    /// Outward normal at the other time, of any length; zero for primitives with two sides.
+    pub(super) outward: DVec3,
+}
+
+/// Returns the point of a primitive that a ray hits near `t`, and where that point is on the same primitive at another
+/// time. The ray is given by a direction and an origin relative to the scene's origin.
+pub(super) fn moved(
+    (now, then): (&Primitive<'_>, &Primitive<'_>),
+    (origin, direction): (DVec3, DVec3),
+    t: f64,
+) -> Option<Moved> {
+    let on_ball = |map: &ToSphere, center: Vec3| {
+        let from_center = origin - center.as_dvec3();
+        from_center + direction * hit_near(map, from_center, direction, t)
+    };
+    // Position of the point relative to the primitive's place, the place, and the axes of its coordinates.
+    let (offset, [place, other_place], [axes, other_axes], is_closed) = match (now, then) {
+        (Primitive::Triangle(now), Primitive::Triangle(then)) => {
+            let weights = weights(now, origin, direction);
+            let positions = [now, then].map(|triangle| {
+                let corners = triangle.corners.iter().zip(weights);
+                corners.map(|(corner, weight)| corner.as_dvec3() * weight).sum()
+            });
+            return Some(Moved { positions, outward: DVec3::ZERO });
+        }
+        (Primitive::Sphere(now), Primitive::Sphere(then)) => {
+            let offset = on_ball(&ToSphere::identity(now.radius), now.center);
+            let axes = [now, then].map(|ball| DMat3::from_diagonal(DVec3::splat(ball.radius.into())));
+            (offset, [now.center, then.center], axes, true)
+        }
+        (Primitive::Ellipsoid(now), Primitive::Ellipsoid(then)) => {
+            let offset = on_ball(&now.to_sphere(), now.center);
+            (offset, [now.center, then.center], [now.axes.as_dmat3(), then.axes.as_dmat3()], true)
+        }
+        (Primitive::Plane(now), Primitive::Plane(then)) => {
+            let (from_point, normal) = (origin - now.point.as_dvec3(), now.unit_normal().as_dvec3());
+            let offset = from_point - direction * (from_point.dot(normal) / direction.dot(normal));
+            (offset, [now.point, then.point], [now.axes(), then.axes()], false)
+        }
+        _ => return None,
+    };
+    let coordinates = axes.inverse() * offset;
+    let outward = if is_closed { other_axes.inverse().transpose() * coordinates } else { DVec3::ZERO };
+    let after = other_place.as_dvec3() + other_axes * coordinates;
+    Some(Moved { positions: [place.as_dvec3() + offset, after], outward })
+}
+
 /// Returns a surface that is shaded by its geometric normal. `normal` may have any length but 0.
 fn flat(normal: DVec3, direction: DVec3, material: MaterialId) -> Surface {
     let normal = towards_viewer(normal, direction).as_vec3();
@@ -121,9 +173,17 @@ fn of_triangle(triangle: &Triangle, origin: DVec3, direction: DVec3) -> Surface 
     Surface { shading_normal: if unit.dot(geometric) < 0.0 { -unit } else { unit }.as_vec3(), ..flat }
 }
 
-/// Returns the normal, of any length, where a ray hits an ellipsoid near `t`. The hit is computed again, because the
-/// rounding of a depth may be large compared with the radius of a small ellipsoid.
+/// Returns the normal, of any length, where a ray hits an ellipsoid near `t`.
 fn outward(map: &ToSphere, from_center: DVec3, direction: DVec3, t: f64) -> DVec3 {
+    let rows = map.rows.map(|row| row.as_dvec3());
+    let met = from_center + direction * hit_near(map, from_center, direction, t);
+    let met = rows.map(|row| row.dot(met));
+    rows[0] * met[0] + rows[1] * met[1] + rows[2] * met[2]
+}
+
+/// Returns where a ray hits an ellipsoid near `t`. The hit is computed again, because the rounding of a depth may be
+/// large compared with the radius of a small ellipsoid.
+fn hit_near(map: &ToSphere, from_center: DVec3, direction: DVec3, t: f64) -> f64 {
     let rows = map.rows.map(|row| row.as_dvec3());
     let mapped = |vector: DVec3| DVec3::from_array(rows.map(|row| row.dot(vector)));
     let (origin, along, radius) = (mapped(from_center), mapped(direction), f64::from(map.radius));
@@ -131,6 +191,5 @@ fn outward(map: &ToSphere, from_center: DVec3, direction: DVec3, t: f64) -> DVec
     let nearest = origin + along * middle;
     // A ray that misses by rounding is taken to hit at its closest approach.
     let half = ((radius * radius - nearest.length_squared()).max(0.0) / along.length_squared()).sqrt();
-    let met = nearest + along * if t < middle { -half } else { half };
-    rows[0] * met.x + rows[1] * met.y + rows[2] * met.z
+    if t < middle { middle - half } else { middle + half }
 }

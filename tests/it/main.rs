@@ -22,6 +22,7 @@ mod errors;
 mod far_off;
 mod files;
 mod flat;
+mod flow;
 mod furnace;
 mod geometry;
 mod gltf;

@@ -94,19 +94,35 @@ impl Circle {
     pub(crate) fn project(&self, point: DVec3, side: f64) -> [f64; 3] {
         let away = point.x.hypot(point.z);
         let distance = |radius: f64| ((away - radius) * (away + radius)).sqrt();
-        // Larger elevations have smaller radii, and so larger distances and smaller elevations.
-        let (mut low, mut high) = (0.0, self.radius);
-        for _ in 0..STEPS {
-            let radius = 0.5 * (low + high);
-            let found = self.radius_at((point.y / distance(radius)).atan());
-            if found > radius { low = radius } else { high = radius }
+        let radius_seen_from = |radius: f64| self.radius_at((point.y / distance(radius)).atan());
+        let mut radius = self.radius;
+        if self.merge[0].is_finite() && radius_seen_from(radius) != radius {
+            // Larger elevations have smaller radii, and so larger distances and smaller elevations.
+            let (mut low, mut high) = (0.0, self.radius);
+            for _ in 0..STEPS {
+                radius = 0.5 * (low + high);
+                if radius_seen_from(radius) > radius { low = radius } else { high = radius }
+            }
+            radius = 0.5 * (low + high);
         }
-        let radius = if self.merge[0].is_finite() { 0.5 * (low + high) } else { self.radius };
         let s = distance(radius);
         let azimuth = point.x.atan2(point.z) - side * (radius / s).atan();
+        [self.column(azimuth), self.row((point.y / s).atan()), s]
+    }
+
+    /// Returns the column and row of an infinitely distant point, which are the same for both eyes.
+    pub(crate) fn project_direction(&self, direction: DVec3) -> [f64; 2] {
+        let azimuth = direction.x.atan2(direction.z);
+        [self.column(azimuth), self.row(direction.y.atan2(direction.x.hypot(direction.z)))]
+    }
+
+    fn column(&self, azimuth: f64) -> f64 {
         let column = self.middle[0] + azimuth / self.steps[0];
-        let column = self.turn.map_or(column, |turn| column.rem_euclid(turn));
-        [column, self.middle[1] - (point.y / s).atan() / self.steps[1], s]
+        self.turn.map_or(column, |turn| column.rem_euclid(turn))
+    }
+
+    fn row(&self, elevation: f64) -> f64 {
+        self.middle[1] - elevation / self.steps[1]
     }
 }
 

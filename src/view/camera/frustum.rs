@@ -237,15 +237,30 @@ impl Pose {
     /// the eye's view direction. In equirectangular pictures it is the horizontal distance along the eye's ray, and NaN
     /// for points within the viewing circle.
     pub fn project(&self, point: impl Into<DVec3>, side: f32) -> [f32; 3] {
-        let point = point.into();
-        let found = match self.field {
+        self.project_in_f64(point.into(), side).map(|value| value as f32)
+    }
+
+    /// [`Pose::project`] in f64.
+    pub(crate) fn project_in_f64(&self, point: DVec3, side: f32) -> [f64; 3] {
+        match self.field {
             Field::Screen(frustum) => self.project_from_eye(&frustum, point - self.eye_position(side), side),
             Field::Sphere(sphere) => {
                 let from_centre = self.in_axes(point - self.eye_position(0.0));
                 Circle::of(self, &sphere).project(from_centre, side.into())
             }
-        };
-        found.map(|value| value as f32)
+        }
+    }
+
+    /// Projects an infinitely distant point, given by its direction, into the picture of an eye. Returns its column and
+    /// row, or `None` if the eye looks away from it.
+    pub(crate) fn project_direction(&self, direction: DVec3, side: f32) -> Option<[f64; 2]> {
+        match self.field {
+            Field::Screen(frustum) => {
+                let [x, y, z] = self.project_from_eye(&frustum, direction, side);
+                (z > 0.0).then_some([x, y])
+            }
+            Field::Sphere(sphere) => Some(Circle::of(self, &sphere).project_direction(self.in_axes(direction))),
+        }
     }
 
     /// Projects a vector that begins at an eye into that eye's planar picture, like [`Pose::project`].

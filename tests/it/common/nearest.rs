@@ -1,12 +1,17 @@
 //! Traces rays in double precision, without code of the library.
 
 use stereotrace::{
-    Scene,
+    MISS, Scene,
     glam::{DMat3, DVec3, Vec3},
 };
 
 /// Returns t of a ray's nearest hit in double precision, by a loop over all primitives. Returns infinity for a miss.
 pub(crate) fn nearest(scene: &Scene, origin: DVec3, direction: DVec3) -> f64 {
+    nearest_primitive(scene, origin, direction).0
+}
+
+/// Returns t of a ray's nearest hit, like [`nearest`], and the id of its primitive.
+pub(crate) fn nearest_primitive(scene: &Scene, origin: DVec3, direction: DVec3) -> (f64, u32) {
     let triangles = scene.triangles().iter().map(|triangle| {
         let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - origin);
         let weights = [b.cross(c), c.cross(a), a.cross(b)].map(|edge| edge.dot(direction));
@@ -26,6 +31,6 @@ pub(crate) fn nearest(scene: &Scene, origin: DVec3, direction: DVec3) -> f64 {
         let normal = plane.normal.as_dvec3();
         normal.dot(plane.point.as_dvec3() - origin) / normal.dot(direction)
     });
-    let all = triangles.chain(spheres).chain(ellipsoids).chain(planes);
-    all.filter(|t| *t > 0.0).fold(f64::INFINITY, f64::min)
+    let all = triangles.chain(spheres).chain(ellipsoids).chain(planes).zip(0..);
+    all.filter(|(t, _)| *t > 0.0).fold((f64::INFINITY, MISS), |best, found| if found.0 < best.0 { found } else { best })
 }
