@@ -171,6 +171,7 @@ pub use render::{Encoded, EncodedView};
 pub use render::{FrameBuilder, Passes, Renderer};
 pub use render::{RigView, Views};
 pub use render::{Update, UploadInfo, UploadedScene};
+pub use scene::animation::Animation;
 pub use scene::builtin::Builtin;
 pub use scene::{
     Cone, Ellipsoid, Falloff, Finish, Light, LightShape, MISS, Material, MaterialId, Mesh, Plane, Principled, Scene,

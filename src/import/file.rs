@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, ffi::OsStr, path::Path, sync::Arc};
 use super::SceneOptions;
 use crate::scene::Scene;
 use crate::{
-    Error, StereoCamera,
+    Animation, Error, StereoCamera,
     import::input::{Files, Given},
 };
 
@@ -47,6 +47,8 @@ pub struct SceneFile {
     /// pixels high. The screen stands at the depth of the centre of the scene's bounds, but at least a quarter of these
     /// bounds' diagonal away. The interaxial is a thirtieth of that distance.
     pub cameras: Vec<(Arc<str>, StereoCamera)>,
+    /// The file's animations, in the file's order. Only glTF files may have any.
+    pub animations: Vec<Animation>,
 }
 
 impl SceneFile {
@@ -95,14 +97,19 @@ impl SceneFile {
         Self::read(Files::Memory(&given), Path::new(&name.replace('\\', "/")), options)
     }
 
+    #[cfg(any(feature = "obj", feature = "ply"))]
+    fn of(scene: Scene) -> Self {
+        Self { scene, cameras: Vec::new(), animations: Vec::new() }
+    }
+
     fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<Self, Error> {
         match format_of(files, path, options)? {
             #[cfg(feature = "obj")]
-            Format::Obj => super::obj::read(files, path, options).map(|scene| Self { scene, cameras: Vec::new() }),
+            Format::Obj => super::obj::read(files, path, options).map(Self::of),
             #[cfg(feature = "gltf")]
             Format::Gltf => super::gltf::read(files, path, options),
             #[cfg(feature = "ply")]
-            Format::Ply => super::ply::read(files, path, options).map(|scene| Self { scene, cameras: Vec::new() }),
+            Format::Ply => super::ply::read(files, path, options).map(Self::of),
             #[allow(unreachable_patterns, reason = "with all features there are no others")]
             format => {
                 let (name, _) = ENDINGS.into_iter().find(|(_, known)| *known == format).unwrap_or(ENDINGS[0]);

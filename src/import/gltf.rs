@@ -5,6 +5,7 @@
 //! length through accessors.rs. The walk over the nodes is iterative, and each node may be reached only once.
 
 mod accessors;
+mod animations;
 mod cameras;
 mod document;
 mod lights;
@@ -12,19 +13,34 @@ mod materials;
 mod meshes;
 mod more;
 mod nodes;
+mod objects;
 mod textures;
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 use glam::DAffine3;
 
-use self::{document::Document, materials::Surfaces, meshes::Meshes, nodes::walk};
+use self::{
+    cameras::AtNode,
+    document::Document,
+    materials::Surfaces,
+    meshes::Meshes,
+    nodes::{Visited, walk},
+    objects::Objects,
+};
 use super::{
     SceneFile, SceneOptions,
     warnings::{Place, Warnings},
 };
-use crate::scene::{Scene, smooth::check_crease};
-use crate::{Error, import::input::Files, message::counted};
+use crate::{
+    Animation, Error, Scene,
+    import::input::Files,
+    message::counted,
+    scene::{
+        animation::{Node, NodeTree},
+        smooth::check_crease,
+    },
+};
 
 /// An item with its transform to world coordinates.
 type Placed<T> = (T, DAffine3);
@@ -42,11 +58,18 @@ pub(crate) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     let mut surfaces = Surfaces::new(&document, options);
     let mut meshes = Meshes::new(&document, options);
     let (mut shown, mut cameras, mut lights) = (Vec::new(), Vec::new(), Vec::new());
-    walk(&document, |index, node, place| {
+    let mut tree = NodeTree::default();
+    let mut places = vec![None; document.root.nodes.len()];
+    walk(&document, |Visited { index, node, parent, local, place }| {
+        places[index] = Some(tree.nodes.len());
+        let parent = parent.and_then(|parent| places[parent]);
+        let mut weights = Arc::default();
         if let Some(mesh) = node.mesh {
             meshes.read(mesh.value(), index, (&mut surfaces, &mut warnings))?;
+            weights = meshes.weights(mesh.value(), index)?;
             shown.push(((index, mesh.value()), place));
         }
+        tree.nodes.push(Node { parent, local, weights });
         if let Some(camera) = node.camera {
             cameras.push(((index, camera.value()), place));
         }
@@ -54,34 +77,36 @@ pub(crate) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
         lights.extend(light.map(|light| ((index, light.light.value()), place)));
         Ok(())
     })?;
+    let clips = animations::read(&document, &places, &tree, &mut warnings)?;
+    tree.skins = animations::skins(&document, &places)?;
     // Materials come first, since meshes are checked against them.
     surfaces.move_to(&mut scene);
-    let origin = options.origin.choose(|| meshes.bounds(&shown));
+    let objects = Objects { document: &document, meshes: &meshes, places: &places, clips: &clips };
+    let skins = objects.skins_of(&shown, &tree)?;
+    let origin = options.origin.choose(|| objects.bounds(&shown, &skins, &tree));
     scene.set_origin(origin).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
-    let to_origin = DAffine3::from_translation(-scene.origin());
-    for &((node, mesh), place) in &shown {
-        let mesh = meshes.instance(mesh, node, to_origin * place);
-        scene.push_mesh(&mesh).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
-    }
+    objects.add(&shown, &skins, &mut scene, &mut tree)?;
     surfaces.warn_of_ranges(&warnings);
     if scene.triangles.is_empty() {
         let nodes = counted(document.root.nodes.len(), "node", "nodes");
         return Err(document.fault(format!("no triangles in its scene and {nodes}; a scene needs meshes of triangles")));
     }
     warnings.warn_of_dropped(&scene);
-    lights::read(&document, &lights, &mut scene, &mut warnings)?;
+    let lit = lights::read(&document, &lights, &mut scene, &mut warnings)?;
     let cameras = cameras::read(&document, &cameras, scene.bounds(), &mut warnings)?;
-    Ok(SceneFile { scene, cameras })
+    let node = |index: usize| places[index].unwrap_or_default();
+    tree.lights = lit.into_iter().map(node).zip(scene.lights.iter().copied()).collect();
+    tree.cameras = cameras.iter().map(|one| (node(one.node), one.camera)).collect();
+    let cameras = cameras.into_iter().map(|AtNode { name, camera, .. }| (name, camera)).collect();
+    let tree = Arc::new(tree);
+    let animations = clips.into_iter().map(|(name, tracks)| Animation::new(name, tracks, tree.clone())).collect();
+    Ok(SceneFile { scene, cameras, animations })
 }
 
 /// Counts unsupported items.
 fn note_left_out(document: &Document, warnings: &mut Warnings) {
     let root = &document.root;
-    let lists = [
-        ("animations", root.animations.len()),
-        ("skins", root.skins.len()),
-        ("scenes other than the default or the first one", root.scenes.len().saturating_sub(1)),
-    ];
+    let lists = [("scenes other than the default or the first one", root.scenes.len().saturating_sub(1))];
     for (what, count) in lists {
         (0..count).for_each(|_| warnings.left_out(what, Place::File));
     }

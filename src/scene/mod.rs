@@ -1,5 +1,6 @@
 //! Scenes: triangle meshes, spheres, ellipsoids, planes, materials, lights, ambient light and the sky.
 
+pub(crate) mod animation;
 mod beside;
 pub mod builtin;
 pub(crate) mod checks;

@@ -165,6 +165,13 @@ impl Scene {
         Ok(())
     }
 
+    /// Returns whether an object is a mesh with this name and number of triangles.
+    pub(crate) fn has_mesh(&self, object: u32, name: &str, triangles: usize) -> bool {
+        let range = self.place_of(object).ok();
+        let is_like = |place| matches!(place, Place::Triangles(range) if range.len() == triangles);
+        range.is_some_and(is_like) && self.object_name(object) == name
+    }
+
     /// Describes how a scene's objects differ from this scene's in more than their positions; `None` if they do not.
     pub(crate) fn other_topology(&self, other: &Self) -> Option<String> {
         let counts =

@@ -13,10 +13,15 @@ use crate::{
 
 /// Default height of a camera's picture in pixels.
 const HEIGHT: u32 = 480;
-/// Largest sine of the roll of a camera that counts as level.
-const LEVEL: f64 = 1e-4;
 /// Largest ratio of a picture's sides.
 const MOST_ASPECT: f32 = 16.0;
+
+/// A camera with its node and its name.
+pub(super) struct AtNode {
+    pub(super) node: usize,
+    pub(super) name: Arc<str>,
+    pub(super) camera: StereoCamera,
+}
 
 /// Reads perspective cameras with their nodes' names. A glTF camera has no screen. The screen is placed at the centre
 /// of the scene's box, but at least a quarter of the box's diagonal away. The interaxial is a thirtieth of that
@@ -26,7 +31,7 @@ pub(super) fn read(
     places: &[Placed<(usize, usize)>],
     bounds: Option<(DVec3, DVec3)>,
     warnings: &mut Warnings,
-) -> Result<Vec<(Arc<str>, StereoCamera)>, Error> {
+) -> Result<Vec<AtNode>, Error> {
     let root = &document.root;
     let (low, high) = bounds.unwrap_or_default();
     let mut cameras = Vec::new();
@@ -50,12 +55,8 @@ pub(super) fn read(
         if !(1.0 / MOST_ASPECT..=MOST_ASPECT).contains(&aspect) {
             return Err(fault(format!("its aspectRatio is {aspect}; it must be within 1/16 to 16")));
         }
-        let own_up = place.transform_vector3(DVec3::Y).normalize_or_zero();
-        // A camera that looks down without roll gets the world's up. The picture is the same, and orbits about this
-        // axis stay level.
-        let is_level = forward.cross(own_up).dot(DVec3::Y).abs() < LEVEL && own_up.y > LEVEL;
         let camera = StereoCamera::look_at(eye, eye + distance * forward)
-            .up(if is_level { DVec3::Y } else { own_up }.as_vec3())
+            .at_node(place, distance)
             .vertical_fov_degrees(perspective.yfov.to_degrees())
             .screen_distance(distance as f32)
             .interaxial((distance / 30.0) as f32)
@@ -66,7 +67,7 @@ pub(super) fn read(
             Some(name) => name.into(),
             None => names.entry(index).or_insert_with(own).clone(),
         };
-        cameras.push((name, camera));
+        cameras.push(AtNode { node, name, camera });
     }
     Ok(cameras)
 }

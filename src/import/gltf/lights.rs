@@ -22,7 +22,7 @@ const BLENDER_PHOTOMETRIC: f64 = 20.0;
 /// Lumens per watt in files by Blender.
 const LUMENS: f64 = 683.0;
 
-/// Gives the scene its lights. Together, lights and emission are scaled so that the lights add at most 1 to a white
+/// Gives the scene its lights, and returns the node of each. Together, lights and emission are scaled so that the lights add at most 1 to a white
 /// surface at the centre of the scene's box, since photometric units rely on a camera's exposure. For that rule, lights
 /// are at least half the box's longest side away.
 pub(super) fn read(
@@ -30,13 +30,14 @@ pub(super) fn read(
     places: &[Placed<(usize, usize)>],
     scene: &mut Scene,
     warnings: &mut Warnings,
-) -> Result<(), Error> {
+) -> Result<Vec<usize>, Error> {
     let root = &document.root;
     let descriptions = root.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
     let descriptions = descriptions.map_or(&[][..], |extension| &extension.lights);
     let (low, high) = scene.bounds().unwrap_or_default();
     let (middle, nearest) = (low.midpoint(high), 0.5 * (high - low).max_element().max(1e-6));
     let mut lights: Vec<(Light, DVec3)> = Vec::new();
+    let mut nodes = Vec::new();
     let mut total = DVec3::ZERO;
     let mut directional = 0;
     for &((node, index), place) in places {
@@ -66,6 +67,7 @@ pub(super) fn read(
         let distance = place.translation.distance(middle).max(nearest);
         total += color * strength / if kind == Type::Directional { 1.0 } else { distance * distance };
         lights.push((light, color * strength));
+        nodes.push(node);
     }
     let brightest = total.max_element();
     let is_blenders = root.asset.generator.as_ref().is_some_and(|generator| generator.contains("Blender"));
@@ -83,7 +85,7 @@ pub(super) fn read(
         Light { intensity, ..light }
     };
     scene.lights = lights.into_iter().map(with_light).collect();
-    Ok(())
+    Ok(nodes)
 }
 
 /// Returns a light without its intensity.

@@ -1,17 +1,16 @@
 //! Reads meshes and places them at nodes.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, ops::Range, sync::Arc};
 
-use glam::{BVec3, DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use gltf_json::{
-    Mesh as Description,
+    Accessor, Index, Mesh as Description,
     accessor::Type,
     mesh::{Mode, Primitive, Semantic},
     validation::Checked,
 };
 
 use super::{
-    Placed,
     document::Document,
     materials::{Surfaces, UvRule},
 };
@@ -25,6 +24,7 @@ use crate::{
     message::counted,
     scene::{
         Mesh,
+        animation::{Body, Changes, MorphTarget},
         smooth::{smooth_normals, unit},
         tangents::tangents,
     },
@@ -34,14 +34,25 @@ use crate::{
 pub(super) struct Meshes<'a> {
     document: &'a Document<'a>,
     crease_angle: Option<f32>,
-    read: HashMap<usize, Mesh>,
+    read: HashMap<usize, Arc<Body>>,
     triangles: u64,
     vertices: u64,
+    displacements: u64,
+    /// Weights of the morph targets of each mesh at rest.
+    rest_weights: HashMap<usize, Arc<[f64]>>,
 }
 
 impl<'a> Meshes<'a> {
     pub(super) fn new(document: &'a Document<'a>, options: &SceneOptions) -> Self {
-        Self { document, crease_angle: options.crease_angle, read: HashMap::new(), triangles: 0, vertices: 0 }
+        Self {
+            document,
+            crease_angle: options.crease_angle,
+            read: HashMap::new(),
+            triangles: 0,
+            vertices: 0,
+            displacements: 0,
+            rest_weights: HashMap::new(),
+        }
     }
 
     /// Reads a node's mesh unless it is known, and counts its triangles and vertices.
@@ -54,46 +65,61 @@ impl<'a> Meshes<'a> {
         let document = self.document;
         let description = document.item(("meshes", &document.root.meshes), mesh, format_args!("nodes[{node}]"))?;
         if !self.read.contains_key(&mesh) {
-            let (read, lacks_tangents) = read(document, mesh, description, surfaces, warnings)?;
-            let mut read = self.smoothed(read.name(description.name.as_deref().unwrap_or_default()));
-            if lacks_tangents && !read.uv.is_empty() {
-                read.tangents = tangents(&read);
+            let (mut body, lacks_tangents) = read(document, mesh, description, surfaces, warnings)?;
+            body.mesh = self.smoothed(body.mesh.name(description.name.as_deref().unwrap_or_default()));
+            if lacks_tangents && !body.mesh.uv.is_empty() {
+                body.mesh.tangents = tangents(&body.mesh);
             }
-            self.read.insert(mesh, read);
+            self.read.insert(mesh, Arc::new(body));
         }
         let read = &self.read[&mesh];
-        self.triangles += read.triangles.len() as u64;
-        self.vertices += read.positions.len() as u64;
+        self.triangles += read.mesh.triangles.len() as u64;
+        self.vertices += read.mesh.positions.len() as u64;
+        self.displacements += read.displacement_count();
         document.check_size("its scene", "triangles", self.triangles, 1)?;
-        document.check_size("its scene", "vertices", self.vertices, 3)
+        document.check_size("its scene", "vertices", self.vertices, 3)?;
+        document.check_size("its scene", "displacements of morph targets", self.displacements, 3)
     }
 
-    /// Returns a box around the placed meshes, in world coordinates, from each mesh's transformed box.
-    pub(super) fn bounds(&self, shown: &[Placed<(usize, usize)>]) -> Option<(DVec3, DVec3)> {
-        let own: HashMap<usize, Option<(DVec3, DVec3)>> = self
-            .read
-            .iter()
-            .map(|(&index, mesh)| (index, bounds_of(mesh.positions.iter().map(|position| position.as_dvec3()))))
-            .collect();
-        bounds_of(shown.iter().flat_map(|((_, mesh), place)| {
-            let corners = own[mesh].into_iter().flat_map(|(low, high)| {
-                (0..8).map(move |corner| {
-                    let is_high = [0, 1, 2].map(|axis| corner >> axis & 1 == 1);
-                    DVec3::select(BVec3::from_array(is_high), high, low)
-                })
-            });
-            corners.map(|corner| place.transform_point3(corner))
-        }))
+    /// Returns a mesh that was read.
+    pub(super) fn body(&self, mesh: usize) -> &Arc<Body> {
+        &self.read[&mesh]
     }
 
-    /// Returns a copy of a mesh for a node, transformed by `place` to coordinates relative to the scene's origin.
-    pub(super) fn instance(&self, mesh: usize, node: usize, place: DAffine3) -> Mesh {
-        let mesh = placed(&self.read[&mesh], place);
+    /// Returns the rest weights of a mesh's morph targets at a node.
+    pub(super) fn weights(&mut self, mesh: usize, node: usize) -> Result<Arc<[f64]>, Error> {
+        let root = &self.document.root;
+        let (targets, own) = (self.read[&mesh].targets.len(), root.nodes[node].weights.as_deref());
+        let all_meshes = || {
+            let weights = root.meshes[mesh].weights.as_deref().unwrap_or_default();
+            self.document.weights(weights, targets, &format!("meshes[{mesh}]"))
+        };
+        match own {
+            Some(own) => self.document.weights(own, targets, &format!("nodes[{node}]")),
+            None => match self.rest_weights.get(&mesh) {
+                Some(weights) => Ok(weights.clone()),
+                None => {
+                    let weights = all_meshes()?;
+                    self.rest_weights.insert(mesh, weights.clone());
+                    Ok(weights)
+                }
+            },
+        }
+    }
+
+    /// Returns the name of the object that shows a mesh at a node.
+    pub(super) fn name_of(&self, mesh: usize, node: usize) -> Arc<str> {
         // All nodes of a mesh share its name, since it may be long and the nodes many.
         match self.document.root.nodes[node].name.as_deref().filter(|name| !name.is_empty()) {
-            Some(name) => mesh.name(name),
-            None => mesh,
+            Some(name) => name.into(),
+            None => self.read[&mesh].mesh.name.clone(),
         }
+    }
+
+    /// Returns the box of each mesh in its own coordinates.
+    pub(super) fn boxes(&self) -> HashMap<usize, Option<(DVec3, DVec3)>> {
+        let of = |body: &Body| bounds_of(body.mesh.positions.iter().map(|position| position.as_dvec3()));
+        self.read.iter().map(|(&index, body)| (index, of(body))).collect()
     }
 
     fn smoothed(&self, mut mesh: Mesh) -> Mesh {
@@ -104,39 +130,6 @@ impl<'a> Meshes<'a> {
     }
 }
 
-/// Transforms a mesh. A mirroring transform also reverses the winding, so that outer sides stay outer sides.
-fn placed(mesh: &Mesh, place: DAffine3) -> Mesh {
-    let mut mesh = mesh.clone();
-    for position in &mut mesh.positions {
-        *position = place.transform_point3(position.as_dvec3()).as_vec3();
-    }
-    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = place.matrix3;
-    let sign = place.matrix3.determinant().signum();
-    // The cofactors are the inverse transposed up to a factor. They keep normals perpendicular, and exist for singular
-    // matrices.
-    let upright = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
-    if place.matrix3 != DMat3::IDENTITY {
-        for normals in &mut mesh.normals {
-            *normals = normals.map(|normal| (upright * normal.as_dvec3()).normalize_or_zero().as_vec3());
-            if normals.contains(&Vec3::ZERO) {
-                *normals = [Vec3::ZERO; 3];
-            }
-        }
-    }
-    for tangent in mesh.tangents.as_flattened_mut() {
-        let way = place.matrix3 * tangent.truncate().as_dvec3();
-        *tangent = way.normalize_or_zero().as_vec3().extend(tangent.w * sign as f32);
-    }
-    if sign < 0.0 {
-        mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
-        mesh.normals.iter_mut().for_each(|corners| corners.swap(1, 2));
-        mesh.uv.iter_mut().for_each(|corners| corners.swap(1, 2));
-        mesh.colors.iter_mut().for_each(|corners| corners.swap(1, 2));
-        mesh.tangents.iter_mut().for_each(|corners| corners.swap(1, 2));
-    }
-    mesh
-}
-
 /// Reads all triangle primitives of a mesh as one mesh. Also returns whether it needs tangents that the file lacks.
 fn read(
     document: &Document,
@@ -144,15 +137,13 @@ fn read(
     description: &Description,
     surfaces: &mut Surfaces,
     warnings: &mut Warnings,
-) -> Result<(Mesh, bool), Error> {
-    let mut mesh = Mesh::default();
+) -> Result<(Body, bool), Error> {
+    let mut body = Body::default();
+    let mut displacements = Displacements { document, read: HashMap::new() };
     let (mut clamped_colors, mut lacks_tangents) = (0, false);
     for (number, primitive) in description.primitives.iter().enumerate() {
         let name = format!("meshes[{index}].primitives[{number}]");
         let place = Place::Item("meshes", index);
-        if primitive.targets.is_some() {
-            warnings.left_out("morph targets", place);
-        }
         let Checked::Valid(mode) = primitive.mode else {
             return Err(document.fault(format!("{name}: its mode is unknown")));
         };
@@ -165,10 +156,19 @@ fn read(
             continue;
         }
         let noted = (&mut clamped_colors, &mut lacks_tangents);
-        add(document, &mut mesh, primitive, mode, &name, (surfaces, warnings), noted)?;
+        let first = body.mesh.positions.len();
+        add(document, &mut body.mesh, primitive, mode, &name, (surfaces, warnings), noted)?;
+        let mesh = &body.mesh;
         document.check_size(&format!("meshes[{index}]"), "triangles", mesh.triangles.len() as u64, 1)?;
         document.check_size(&format!("meshes[{index}]"), "vertices", mesh.positions.len() as u64, 3)?;
+        let vertices = first..mesh.positions.len();
+        add_influences(document, &mut body, primitive, vertices.clone(), &name)?;
+        add_targets(&mut displacements, &mut body, primitive, vertices, &name)?;
     }
+    if !body.first_influences.is_empty() {
+        body.first_influences.push(body.influences.len() as u32);
+    }
+    let mesh = &mut body.mesh;
     if lacks_tangents {
         // Those of the whole mesh are computed.
         mesh.tangents.clear();
@@ -183,7 +183,125 @@ fn read(
         let text = format!("meshes[{index}]: colours outside 0 to 1, which are clamped, at {vertices}");
         warnings.warn("meshes with colours outside 0 to 1", None, text);
     }
-    Ok((mesh, lacks_tangents))
+    Ok((body, lacks_tangents))
+}
+
+/// Reads the joints and weights of a primitive's vertices. Weights are scaled to a sum of 1.
+fn add_influences(
+    document: &Document,
+    body: &mut Body,
+    primitive: &Primitive,
+    vertices: Range<usize>,
+    name: &str,
+) -> Result<(), Error> {
+    let attribute = |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+    let mut sets = Vec::new();
+    for set in 0.. {
+        let (Some(joints), Some(weights)) = (attribute(Semantic::Joints(set)), attribute(Semantic::Weights(set)))
+        else {
+            break;
+        };
+        let by = |what: &str| format!("{name}, {what}_{set}");
+        let joints = document.floats::<4>(joints, &[Type::Vec4], 0.0, &by("JOINTS"))?;
+        let weights = document.floats::<4>(weights, &[Type::Vec4], 0.0, &by("WEIGHTS"))?;
+        for (what, found) in [("JOINTS", joints.len()), ("WEIGHTS", weights.len())] {
+            if found != vertices.len() {
+                let vertices = counted(vertices.len(), "vertex", "vertices");
+                return Err(document.fault(format!("{}: it has length {found} for {vertices}", by(what))));
+            }
+        }
+        sets.push((joints, weights));
+    }
+    if sets.is_empty() && body.first_influences.is_empty() {
+        return Ok(());
+    }
+    // Earlier primitives may have no joints.
+    body.first_influences.resize(vertices.start, 0);
+    for vertex in 0..vertices.len() {
+        body.first_influences.push(body.influences.len() as u32);
+        let all = || sets.iter().flat_map(|(joints, weights)| joints[vertex].into_iter().zip(weights[vertex]));
+        let sum: f32 = all().map(|(_, weight)| weight.max(0.0)).sum();
+        let scaled = all().filter(|(_, weight)| *weight > 0.0).map(|(joint, weight)| (joint as u32, weight / sum));
+        body.influences.extend(scaled);
+    }
+    Ok(())
+}
+
+impl Document<'_> {
+    /// Returns the weights of a number of morph targets. An empty list stands for zeros.
+    fn weights(&self, weights: &[f32], targets: usize, by: &str) -> Result<Arc<[f64]>, Error> {
+        match weights {
+            [] => Ok(vec![0.0; targets].into()),
+            _ if weights.len() != targets => {
+                let targets = counted(targets, "morph target", "morph targets");
+                Err(self.fault(format!("{by}: it has {} weights for {targets}", weights.len())))
+            }
+            _ => Ok(weights.iter().map(|&weight| weight.into()).collect()),
+        }
+    }
+}
+
+/// Reads the morph targets of a primitive.
+fn add_targets(
+    displacements: &mut Displacements,
+    body: &mut Body,
+    primitive: &Primitive,
+    vertices: Range<usize>,
+    name: &str,
+) -> Result<(), Error> {
+    let targets = primitive.targets.as_deref().unwrap_or_default();
+    body.targets.resize_with(body.targets.len().max(targets.len()), MorphTarget::default);
+    let has_normals = primitive.attributes.contains_key(&Checked::Valid(Semantic::Normals));
+    for (index, (target, own)) in targets.iter().zip(&mut body.targets).enumerate() {
+        let by = format!("{name}.targets[{index}]");
+        for (accessor, list) in [
+            (target.positions, &mut own.positions),
+            (target.normals.filter(|_| has_normals), &mut own.normals),
+            (target.tangents, &mut own.tangents),
+        ] {
+            let Some(accessor) = accessor else { continue };
+            let by_vertex = displacements.of(accessor, vertices.len(), &by)?;
+            list.push(Changes { first: vertices.start as u32, by_vertex });
+        }
+    }
+    Ok(())
+}
+
+/// Displacements of a mesh's morph targets, each accessor read once, since many targets may share one.
+struct Displacements<'a, 'b> {
+    document: &'a Document<'b>,
+    read: HashMap<usize, OfVertices>,
+}
+
+/// Displacements that are not zero, with the indices of their vertices.
+#[derive(Clone)]
+struct OfVertices {
+    /// Number of vertices.
+    vertices: usize,
+    changes: Arc<[(u32, Vec3)]>,
+}
+
+impl Displacements<'_, '_> {
+    /// Returns the displacements in an accessor that are not zero, with the indices of their vertices.
+    fn of(&mut self, accessor: Index<Accessor>, vertices: usize, by: &str) -> Result<Arc<[(u32, Vec3)]>, Error> {
+        let document = self.document;
+        let found = match self.read.get(&accessor.value()) {
+            Some(found) => found.clone(),
+            None => {
+                let all = document.floats::<3>(accessor, &[Type::Vec3], 0.0, by)?;
+                let changes = (0..).zip(&all).map(|(vertex, change)| (vertex, Vec3::from_array(*change)));
+                let changes = changes.filter(|(_, change)| *change != Vec3::ZERO).collect();
+                let found = OfVertices { vertices: all.len(), changes };
+                self.read.insert(accessor.value(), found.clone());
+                found
+            }
+        };
+        if found.vertices != vertices {
+            let vertices = counted(vertices, "vertex", "vertices");
+            return Err(document.fault(format!("{by}: it has length {} for {vertices}", found.vertices)));
+        }
+        Ok(found.changes)
+    }
 }
 
 /// Extends a list to one entry per triangle, unless it is empty.

@@ -6,7 +6,7 @@ use gltf_json::{Index, Node, scene::UnitQuaternion};
 use serde::Deserialize;
 
 use super::document::Document;
-use crate::Error;
+use crate::{Error, scene::animation::Local};
 
 /// Matrix and translation of a node in f64. gltf-json has them in f32, which rounds places far from the world's origin.
 #[derive(Deserialize)]
@@ -25,12 +25,18 @@ pub(super) fn shifts(json: &[u8]) -> Result<Vec<Shifts>, serde_json::Error> {
     serde_json::from_slice::<File>(json).map(|file| file.nodes)
 }
 
-/// Calls `visit` with each node of the scene, its index and its transform, parents before children, in the file's
-/// order. Without a default scene the first one is used, and without scenes all nodes without parents.
-pub(super) fn walk(
-    document: &Document,
-    mut visit: impl FnMut(usize, &Node, DAffine3) -> Result<(), Error>,
-) -> Result<(), Error> {
+/// A node of the scene.
+pub(super) struct Visited<'a> {
+    pub(super) index: usize,
+    pub(super) node: &'a Node,
+    pub(super) parent: Option<usize>,
+    pub(super) local: Local,
+    /// Transform to the world.
+    pub(super) place: DAffine3,
+}
+
+/// Calls `visit` with each node of the scene, parents before children, in the file's order. Without a default scene the first one is used, and without scenes all nodes without parents.
+pub(super) fn walk(document: &Document, mut visit: impl FnMut(Visited) -> Result<(), Error>) -> Result<(), Error> {
     let root = &document.root;
     let scene = root.scene.map(|scene| scene.value()).or((!root.scenes.is_empty()).then_some(0));
     let orphans: Vec<Index<Node>>;
@@ -57,10 +63,10 @@ pub(super) fn walk(
             let reason = format!("{}: its child nodes[{index}] has another parent, or is its ancestor", by());
             return Err(document.fault(reason));
         }
-        let own = transform(node, &document.shifts[index])
+        let local = local(node, &document.shifts[index])
             .map_err(|reason| document.fault(format!("nodes[{index}]: {reason}")))?;
-        let place = place * own;
-        visit(index, node, place)?;
+        let place = place * local.transform();
+        visit(Visited { index, node, parent, local, place })?;
         lists.extend(node.children.as_ref().map(|children| (children.iter(), Some(index), place)));
     }
     Ok(())
@@ -77,14 +83,14 @@ fn orphans_of(nodes: &[Node]) -> Vec<Index<Node>> {
 }
 
 /// Returns a node's own transform in f64.
-fn transform(node: &Node, shifts: &Shifts) -> Result<DAffine3, String> {
-    let transform = match &shifts.matrix {
+fn local(node: &Node, shifts: &Shifts) -> Result<Local, String> {
+    let local = match &shifts.matrix {
         Some(matrix) => {
             let matrix = DMat4::from_cols_array(matrix);
             if matrix.row(3) != glam::DVec4::W {
                 return Err(format!("the last row of its matrix is {}; it must be 0, 0, 0, 1", matrix.row(3)));
             }
-            DAffine3::from_mat4(matrix)
+            Local::Matrix(DAffine3::from_mat4(matrix))
         }
         None => {
             let UnitQuaternion(rotation) = node.rotation.unwrap_or_default();
@@ -94,8 +100,8 @@ fn transform(node: &Node, shifts: &Shifts) -> Result<DAffine3, String> {
             }
             let scale = node.scale.map_or(DVec3::ONE, |scale| DVec3::from_array(scale.map(f64::from)));
             let translation = shifts.translation.map_or(DVec3::ZERO, DVec3::from_array);
-            DAffine3::from_scale_rotation_translation(scale, rotation.normalize(), translation)
+            Local::Parts { translation, rotation: rotation.normalize(), scale }
         }
     };
-    if transform.is_finite() { Ok(transform) } else { Err("its transform is not finite".into()) }
+    if local.transform().is_finite() { Ok(local) } else { Err("its transform is not finite".into()) }
 }

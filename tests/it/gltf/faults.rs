@@ -354,11 +354,11 @@ fn what_pictures_do_not_show_is_named_once() {
     builder.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing", "KHR_materials_sheen", "KHR_materials_unlit"]);
     let points = builder.mesh(&[[0.0; 3]], json!({ "mode": 0 }));
     builder.node(json!({ "mesh": points }));
-    builder.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }]);
     builder.push("meshes", json!({ "primitives": [{ "attributes": { "_ID": 0 } }] }));
     builder.node(json!({ "mesh": 2 }));
-    builder.push("skins", json!({ "joints": [0] }));
-    builder.push("animations", json!({ "channels": [], "samplers": [] }));
+    let sampler = json!({ "input": 0, "output": 0 });
+    let channel = json!({ "sampler": 0, "target": { "node": 0, "path": "pointer" } });
+    builder.push("animations", json!({ "channels": [channel], "samplers": [sampler] }));
     builder.push("scenes", json!({ "nodes": [] }));
     let camera = builder.push(
         "cameras",
@@ -368,9 +368,9 @@ fn what_pictures_do_not_show_is_named_once() {
     Scene::from_gltf(folder.write("scene.gltf", builder.text())).unwrap();
     let expected = [
         "scene.gltf: ignored extensions: EXT_mesh_gpu_instancing, KHR_materials_sheen",
-        "scene.gltf: ignored: animations; morph targets in meshes[0]; occlusion textures in \
+        "scene.gltf: ignored: animations of other properties than nodes have in animations[0]; occlusion textures in \
          materials[0]; orthographic cameras in cameras[0]; points and lines in meshes[1]; primitives \
-         without positions in meshes[2]; scenes other than the default or the first one; skins",
+         without positions in meshes[2]; scenes other than the default or the first one",
     ];
     assert_eq!(warnings::of(&folder), expected);
 }

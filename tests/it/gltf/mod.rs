@@ -1,6 +1,7 @@
 //! Tests glTF files: the results of `SceneFile::open` and `Scene::from_gltf`, and the messages about unsupported or
 //! invalid content.
 use crate::common;
+mod animations;
 mod faults;
 use crate::common::gltf;
 mod materials;
