@@ -5,6 +5,7 @@
 mod camera;
 mod dataset;
 mod errors;
+mod flow;
 mod light;
 mod material;
 mod options;
@@ -27,6 +28,7 @@ mod _stereotrace {
         camera::Camera,
         dataset::{DataSetSpec, PairMaker},
         errors::{AdapterError, DeviceLostError, LimitError},
+        flow::{EyeFlow, Flow},
         light::Light,
         material::Material,
         options::check_options,

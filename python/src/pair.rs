@@ -165,7 +165,7 @@ impl View {
 }
 
 /// Returns one value per pixel as an array, `(height, width)`.
-fn plane<T: Element>(py: Python<'_>, [width, height]: [u32; 2], values: Vec<T>) -> Py<PyAny> {
+pub(crate) fn plane<T: Element>(py: Python<'_>, [width, height]: [u32; 2], values: Vec<T>) -> Py<PyAny> {
     match Array2::from_shape_vec((height as usize, width as usize), values) {
         Ok(array) => array.into_pyarray(py).into_any().unbind(),
         Err(_) => unreachable!("a view has as many pixels as its size says"),
@@ -231,7 +231,7 @@ fn png<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyBytes>>
 /// anaglyph.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct StereoPair {
-    frame: Arc<Frame>,
+    pub(crate) frame: Arc<Frame>,
     /// Left view: a ``View``.
     #[pyo3(get)]
     left: Py<View>,

@@ -13,13 +13,14 @@ use std::{
 use numpy::PyArray1;
 use pyo3::{exceptions::PyRuntimeError, prelude::*, types::PyDict};
 use stereotrace::{
-    Adapter, BvhBuild, Error, Gpu, GroundTruth, Progress, Ray, Rig, Update, UploadedScene, blocking::Wait,
+    Adapter, BvhBuild, Error, Gpu, GroundTruth, Moment, Progress, Ray, Rig, Update, UploadedScene, blocking::Wait,
     dataset::FreePoses,
 };
 
 use crate::{
     camera::Camera,
     errors::{raised, refused},
+    flow::Flow,
     options::Request,
     pair::{Frame, RigFrame, StereoPair, Views},
     passes::Passes,
@@ -431,6 +432,37 @@ impl Renderer {
             poses.find(renderer, uploaded, item).wait()
         })?;
         Ok((Camera(found.camera), found.tries))
+    }
+
+    /// Computes where the points of a pair are at another time, and returns a ``Flow``.
+    ///
+    /// ``pair`` is a picture of ``scene``, with ``"primitive"`` among its outputs. ``then`` is the same scene at the
+    /// other time: a copy whose objects have moved (``Scene.copy``, ``Scene.pose``, ``Scene.transform_object``,
+    /// ``Scene.set_mesh``), or ``scene`` itself if only the camera moves. ``camera`` is the camera at the other time;
+    /// by default it stays. A point keeps its place on its primitive. All values are computed in double precision.
+    ///
+    /// Raises ``ValueError`` if the scenes differ in more than positions, for toed-in eyes, and for a pair without ids
+    /// or by a method that copies pixels. Else raises as ``render`` does.
+    #[pyo3(signature = (pair, scene, then, camera = None))]
+    fn flow(
+        &self,
+        py: Python<'_>,
+        pair: &StereoPair,
+        scene: &Scene,
+        then: &Scene,
+        camera: Option<Camera>,
+    ) -> PyResult<Flow> {
+        let frame = pair.frame.clone();
+        if frame.pair.left.primitive.is_empty() {
+            return Err(refused("flow needs ids: name 'primitive' in outputs when the pair is rendered"));
+        }
+        let camera = camera.map_or(frame.camera.0, |camera| camera.0);
+        let now = &scene.inner;
+        let flow = self.work(py, then, None, |renderer, uploaded, _| {
+            let then = Moment { scene: &then.inner, uploaded, camera: &camera };
+            renderer.flow(&frame.pair, now, then).wait()
+        })?;
+        Flow::of(py, flow)
     }
 
     /// Traces n rays to their closest hits. Returns a tuple of two arrays of shape ``(n,)``.

@@ -11,8 +11,8 @@ use std::{
 
 use pyo3::{prelude::*, types::PyString};
 use stereotrace::{
-    Builtin, Ellipsoid, MaterialId, Mesh, MissingTextures, Origin, OutsideFiles, Plane, SceneFile, SceneOptions, Sky,
-    SkyMap, Sphere, StereoCamera, Texture, TextureId, Wrap,
+    Animation, Builtin, Ellipsoid, MaterialId, Mesh, MissingTextures, Origin, OutsideFiles, Plane, SceneFile,
+    SceneOptions, Sky, SkyMap, Sphere, StereoCamera, Texture, TextureId, Wrap,
     glam::{Affine3A, Mat3, Mat4, Vec3},
 };
 
@@ -60,13 +60,15 @@ impl State {
 /// A renderer uploads changes when it next renders the scene. It then checks materials, lights and sky too, and raises
 /// ``ValueError`` for values out of range. Changing a scene while it is rendered raises ``RuntimeError``.
 ///
-/// Scenes can be pickled, including their cameras. Renderers can't.
+/// Scenes can be pickled, including their cameras but not their animations. Renderers can't.
 #[pyclass(module = "stereotrace")]
 pub(crate) struct Scene {
     pub(crate) inner: stereotrace::Scene,
     pub(crate) state: State,
     /// Names and cameras of the scene's file.
     cameras: Vec<(Arc<str>, StereoCamera)>,
+    /// Animations of the scene's file.
+    animations: Vec<Animation>,
     builtin: Option<Builtin>,
 }
 
@@ -76,7 +78,27 @@ impl Scene {
         cameras: Vec<(Arc<str>, StereoCamera)>,
         builtin: Option<Builtin>,
     ) -> Self {
-        Self { inner, state: State::new(), cameras, builtin }
+        Self { inner, state: State::new(), cameras, animations: Vec::new(), builtin }
+    }
+
+    /// Returns an animation by its name or place. `None` stands for the first one.
+    fn animation(&self, wanted: Option<&AnimationName>) -> PyResult<&Animation> {
+        let found = match wanted {
+            None => self.animations.first(),
+            Some(AnimationName::Place(place)) => self.animations.get(*place),
+            Some(AnimationName::Name(name)) => self.animations.iter().find(|animation| animation.name() == name),
+        };
+        found.ok_or_else(|| {
+            let wanted = match wanted {
+                None => String::new(),
+                Some(AnimationName::Place(place)) => format!(" {place}"),
+                Some(AnimationName::Name(name)) => format!(" '{name}'"),
+            };
+            // The message lists at most 20 names.
+            let own: Vec<&str> = self.animations.iter().take(20).map(Animation::name).collect();
+            let own = if own.is_empty() { "none".into() } else { own.join(", ") };
+            refused(format!("no animation{wanted} in this scene; its animations are: {own}"))
+        })
     }
 
     /// Returns the scene to change, and counts the change.
@@ -104,6 +126,13 @@ impl Scene {
             false => Err(refused(format!("material {id}: the scene has {count}, counted from 0"))),
         }
     }
+}
+
+/// An animation's name, or its place in the list.
+#[derive(FromPyObject)]
+enum AnimationName {
+    Place(usize),
+    Name(String),
 }
 
 #[pymethods]
@@ -156,8 +185,9 @@ impl Scene {
         let options = SceneOptions::default().crease_angle(crease_angle).missing_textures(missing);
         let options = options.outside_files(outside).outside_option_name("outside_files=\"allow\"");
         let options = options.origin(origin.map_or(Origin::Auto, |origin| origin.0));
-        let SceneFile { scene, cameras, .. } = py.detach(|| SceneFile::open(path, &options)).map_err(raised)?;
-        Ok(Self::of(scene, cameras, None))
+        let file = py.detach(|| SceneFile::open(path, &options)).map_err(raised)?;
+        let SceneFile { scene, cameras, animations, .. } = file;
+        Ok(Self { animations, ..Self::of(scene, cameras, None) })
     }
 
     /// Makes a built-in scene with lights and a sky, one of ``BUILTINS``. ``camera`` returns its camera. Raises
@@ -168,9 +198,36 @@ impl Scene {
         Ok(Self::of(py.detach(|| builtin.scene()), Vec::new(), Some(builtin)))
     }
 
-    /// Returns an independent copy, with the same cameras. ``copy.copy`` and ``copy.deepcopy`` do the same.
+    /// Returns an independent copy, with the same cameras and animations. ``copy.copy`` and ``copy.deepcopy`` do the
+    /// same.
     fn copy(&self) -> Self {
-        Self::of(self.inner.clone(), self.cameras.clone(), self.builtin)
+        let animations = self.animations.clone();
+        Self { animations, ..Self::of(self.inner.clone(), self.cameras.clone(), self.builtin) }
+    }
+
+    /// Names and durations of the file's animations, in its order: a list of tuples of a str and seconds. A duration is
+    /// the time of the last key frame. Only glTF files have animations.
+    #[getter]
+    fn animations(&self) -> Vec<(&str, f64)> {
+        self.animations.iter().map(|animation| (animation.name(), animation.duration())).collect()
+    }
+
+    /// Moves the scene's objects, lights and cameras to their places at a time of an animation.
+    ///
+    /// ``seconds`` counts from the animation's begin. Before its first key frame and after its last one, a property
+    /// keeps that key frame's value. ``animation`` is a name, or a place in ``animations``; by default it is the first.
+    /// Lights that were replaced do not move. Raises ``ValueError`` for an unknown animation, for a time that is not
+    /// finite, and if an object of the animation was changed to one of another size.
+    #[pyo3(signature = (seconds, animation = None))]
+    fn pose(&mut self, seconds: f64, animation: Option<AnimationName>) -> PyResult<()> {
+        let animation = self.animation(animation.as_ref())?.clone();
+        animation.pose(self.changed(), seconds).map_err(raised)?;
+        for (place, (_, camera)) in self.cameras.iter_mut().enumerate() {
+            if let Some(posed) = animation.camera(place, seconds).map_err(raised)? {
+                *camera = posed;
+            }
+        }
+        Ok(())
     }
 
     fn __copy__(&self) -> Self {

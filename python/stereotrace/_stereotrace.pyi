@@ -22,6 +22,8 @@ __all__ = [
     "Camera",
     "DataSetSpec",
     "DeviceLostError",
+    "EyeFlow",
+    "Flow",
     "Light",
     "LimitError",
     "Material",
@@ -347,6 +349,9 @@ class Scene:
     def camera(self, name: str | None = None, size: Sequence[int] = ...) -> Camera: ...  # size: (640, 480)
     @property
     def camera_names(self) -> list[str]: ...
+    @property
+    def animations(self) -> list[tuple[str, float]]: ...
+    def pose(self, seconds: float, animation: str | int | None = None) -> None: ...
     def add_mesh(
         self,
         vertices: npt.ArrayLike,
@@ -584,6 +589,28 @@ class StereoPair:
     def _repr_png_(self) -> bytes: ...
 
 @final
+class EyeFlow:
+    """Motion of the points that one view shows, as arrays."""
+
+    @property
+    def flow(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def disparity_change(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def displacement(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def visibility(self) -> npt.NDArray[np.uint8]: ...
+
+@final
+class Flow:
+    """Motion of a pair's points to another time."""
+
+    @property
+    def left(self) -> EyeFlow: ...
+    @property
+    def right(self) -> EyeFlow: ...
+
+@final
 class Views:
     """Views of several eyes on one line."""
 
@@ -657,6 +684,7 @@ class Renderer:
         max_disparity: float | None = None,
         min_surfaces: float | None = None,
     ) -> tuple[Camera, int]: ...
+    def flow(self, pair: StereoPair, scene: Scene, then: Scene, camera: Camera | None = None) -> Flow: ...
     def closest_hits(
         self, scene: Scene, origins: npt.ArrayLike, directions: npt.ArrayLike
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32]]: ...

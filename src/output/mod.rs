@@ -10,6 +10,7 @@ mod calibration;
 #[cfg(feature = "exr")]
 mod exr;
 mod file;
+mod flow;
 #[cfg(feature = "jpeg")]
 mod jpeg;
 mod packing;

@@ -75,7 +75,7 @@ impl Batch {
     /// [`Error::Io`] for a list that is not `width * height` long, and as [`Batch::add`].
     pub fn add_nocc_mask(&mut self, path: impl AsRef<Path>, truth: &EyeTruth) -> Result<(), Error> {
         let grey = |found: &Occlusion| if *found == Occlusion::Visible { 255 } else { 128 };
-        self.add_grey8(path.as_ref(), truth, truth.occlusion.iter().map(grey).collect())
+        self.add_grey8(path.as_ref(), [truth.width, truth.height], &Vec::from_iter(truth.occlusion.iter().map(grey)))
     }
 
     /// Adds the mask of [`Batch::add_nocc_mask`] with 0, for unknown, at sky. Use this mask with disparities that leave
@@ -87,7 +87,7 @@ impl Batch {
             (true, Occlusion::Visible) => 255,
             (true, _) => 128,
         });
-        self.add_grey8(path.as_ref(), truth, grey.collect())
+        self.add_grey8(path.as_ref(), [truth.width, truth.height], &Vec::from_iter(grey))
     }
 
     /// Adds an occlusion mask: 0 where the other eye sees the point, 255 where a surface hides it, 128 where it lies
@@ -101,7 +101,7 @@ impl Batch {
             Occlusion::Hidden => 255,
             Occlusion::OutOfFrame => 128,
         };
-        self.add_grey8(path.as_ref(), truth, truth.occlusion.iter().map(grey).collect())
+        self.add_grey8(path.as_ref(), [truth.width, truth.height], &Vec::from_iter(truth.occlusion.iter().map(grey)))
     }
 
     /// Adds a sky mask: 255 at sky, else 0.
@@ -110,13 +110,27 @@ impl Batch {
     /// As [`Batch::add_nocc_mask`].
     pub fn add_sky_mask(&mut self, path: impl AsRef<Path>, truth: &EyeTruth) -> Result<(), Error> {
         let grey = truth.sky().into_iter().map(|is_sky| if is_sky { 255 } else { 0 });
-        self.add_grey8(path.as_ref(), truth, grey.collect())
+        self.add_grey8(path.as_ref(), [truth.width, truth.height], &Vec::from_iter(grey))
     }
 
-    fn add_grey8(&mut self, path: &Path, truth: &EyeTruth, samples: Vec<u8>) -> Result<(), Error> {
-        check_count(path, truth.width, truth.height, samples.len())?;
+    /// Adds an 8-bit grey PNG file.
+    pub(super) fn add_grey8(&mut self, path: &Path, size: [u32; 2], samples: &[u8]) -> Result<(), Error> {
+        let [width, height] = size;
+        check_count(path, width, height, samples.len())?;
         let kind = PngKind { color: png::ColorType::Grayscale, depth: png::BitDepth::Eight, is_srgb: false };
-        self.add(path, &png_bytes(path, truth.width, truth.height, kind, &samples)?)
+        self.add(path, &png_bytes(path, width, height, kind, samples)?)
+    }
+
+    /// Adds a 16-bit colour PNG file; `samples` must have `width * height` entries.
+    pub(super) fn add_rgb16(
+        &mut self,
+        path: &Path,
+        [width, height]: [u32; 2],
+        samples: &[[u16; 3]],
+    ) -> Result<(), Error> {
+        let kind = PngKind { color: png::ColorType::Rgb, depth: png::BitDepth::Sixteen, is_srgb: false };
+        let bytes: Vec<u8> = samples.as_flattened().iter().flat_map(|sample| sample.to_be_bytes()).collect();
+        self.add(path, &png_bytes(path, width, height, kind, &bytes)?)
     }
 
     /// Adds a 16-bit grey PNG file; `samples` must have `width * height` entries.

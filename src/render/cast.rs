@@ -3,6 +3,8 @@
 use std::time::Duration;
 
 use glam::{DVec3, Vec3};
+#[cfg(not(target_arch = "wasm32"))]
+use rayon::prelude::*;
 
 use crate::{
     Error, MISS, RaysPerLane, Renderer, UploadedScene,
@@ -258,8 +260,15 @@ fn variant_for(scene: &UploadedScene, rays: &[Ray]) -> Variant {
     if !rays.chunks(with.traversal.rays.block().pow(2) as usize).all(alike) {
         with.traversal.rays = RaysPerLane::One;
     }
-    let mut origins: Vec<Vec3> = rays.iter().map(place).collect();
-    origins.dedup();
+    let mut origins: Vec<Vec3> = Vec::new();
+    for origin in rays.iter().map(place) {
+        if origins.last() != Some(&origin) {
+            origins.push(origin);
+        }
+        if origins.len() > MANY_ORIGINS {
+            break;
+        }
+    }
     with.close = origins.len() > MANY_ORIGINS || scene.large.any_close_to(&origins);
     with
 }
@@ -282,13 +291,16 @@ fn check(rays: &[Ray]) -> Result<(), Error> {
 
 /// Packs rays in the layout that `shaders/shared/ray_list.wgsl` reads.
 fn texels(rays: &[Ray], scene_origin: DVec3) -> Vec<Texel> {
-    let texels = rays.iter().flat_map(|ray| {
+    let pair = |ray: &Ray| {
         let texel = |vector: Vec3, t: f32| {
             let [x, y, z] = vector.to_array();
             [x, y, z, t].map(f32::to_bits)
         };
         let t_max = ray.t_max.clamp(-crate::FAR, crate::FAR);
         [texel(ray.direction, ray.t_min.min(crate::FAR)), texel((ray.origin - scene_origin).as_vec3(), t_max)]
-    });
-    texels.collect()
+    };
+    #[cfg(not(target_arch = "wasm32"))]
+    return rays.par_iter().map(pair).collect::<Vec<[Texel; 2]>>().into_flattened();
+    #[cfg(target_arch = "wasm32")]
+    rays.iter().flat_map(pair).collect()
 }

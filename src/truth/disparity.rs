@@ -91,16 +91,6 @@ impl Pose {
     }
 }
 
-impl Pose {
-    /// Returns a difference of columns by the shorter way round a picture of all directions.
-    pub(crate) fn shorter_way(&self, columns: f64) -> f64 {
-        match self.circle().and_then(|circle| circle.turn) {
-            Some(turn) => columns - turn * (columns / turn).round(),
-            None => columns,
-        }
-    }
-}
-
 impl StereoPair {
     /// Returns the disparity of each left pixel, `d = x_l - x_r` in pixels. Pixel `(i, j)` shows a point at
     /// `x_l = i + 0.5`. In the right view that point lies at `x_r = i + 0.5 - d` in row j, where it may be hidden

@@ -11,6 +11,7 @@ use crate::{
         occlusion::Pixels,
         surface::{Moved, moved},
     },
+    view::camera::Projector,
 };
 /// A ray has reached a point if it hits another primitive at most this share of the distance before the point. The
 /// value exceeds the rounding of directions, except on surfaces seen edge-on.
@@ -229,15 +230,15 @@ struct Point {
 impl Motion<'_> {
     /// Returns the points of a view, of the left eye (-1) or the right eye (1).
     fn points(&self, view: &View, side: f32) -> Vec<Point> {
-        let pixels = Pixels::of(&self.now.1, 0.5 * f64::from(side));
+        let eye = EyeMotion::of(self, side);
         let width = (view.width as usize).max(1);
         let point = |(index, &id): (usize, &u32)| {
             let pixel = [index % width, index / width];
-            let ray = pixels.ray(pixel[0], pixel[1]);
+            let ray = eye.pixels.ray(pixel[0], pixel[1]);
             let center = pixel.map(|place| place as f64 + 0.5);
             match id {
-                MISS => self.sky(center, ray.1, side),
-                id => self.surface(center, ray, (id, view.depth[index]), side),
+                MISS => eye.sky(center, ray.1),
+                id => eye.surface(center, ray, (id, view.depth[index])),
             }
         };
         #[cfg(not(target_arch = "wasm32"))]
@@ -245,21 +246,45 @@ impl Motion<'_> {
         #[cfg(target_arch = "wasm32")]
         view.primitive.iter().enumerate().map(point).collect()
     }
+}
 
-    fn sky(&self, center: [f64; 2], direction: DVec3, side: f32) -> Point {
-        let place = self.then.1.project_direction(direction, side);
-        let apart = f64::from(self.now.1.interaxial_px) - f64::from(self.then.1.interaxial_px);
+/// What places the points of one eye's pixels.
+struct EyeMotion<'a> {
+    motion: &'a Motion<'a>,
+    side: f64,
+    pixels: Pixels,
+    /// Projects points into the other eye's picture now.
+    other_now: Projector,
+    /// Projects points into the pictures of this eye and the other one at the other time.
+    own: Projector,
+    other: Projector,
+    /// Widths of pictures of all directions, now and at the other time.
+    turns: [Option<f64>; 2],
+}
+
+impl<'a> EyeMotion<'a> {
+    fn of(motion: &'a Motion<'a>, side: f32) -> Self {
+        let [now, then] = [&motion.now.1, &motion.then.1];
+        Self {
+            motion,
+            side: side.into(),
+            pixels: Pixels::of(now, 0.5 * f64::from(side)),
+            other_now: now.projector(-side),
+            own: then.projector(side),
+            other: then.projector(-side),
+            turns: [now, then].map(|pose| pose.circle().and_then(|circle| circle.turn)),
+        }
+    }
+
+    fn sky(&self, center: [f64; 2], direction: DVec3) -> Point {
+        let [now, then] = [&self.motion.now.1, &self.motion.then.1];
+        let place = self.own.project_direction(direction);
+        let apart = f64::from(now.interaxial_px) - f64::from(then.interaxial_px);
         self.point(center, place.map(|place| (place, f64::INFINITY)), apart, DVec3::ZERO, (MISS, DVec3::ZERO))
     }
 
-    fn surface(
-        &self,
-        center: [f64; 2],
-        (origin, direction): (DVec3, DVec3),
-        (id, depth): (u32, f32),
-        side: f32,
-    ) -> Point {
-        let ((now, pose), (then, other_pose)) = (self.now, self.then);
+    fn surface(&self, center: [f64; 2], (origin, direction): (DVec3, DVec3), (id, depth): (u32, f32)) -> Point {
+        let (now, then) = (self.motion.now.0, self.motion.then.0);
         let primitives = (&now.primitive(id), &then.primitive(id));
         let Some(Moved { positions: [before, after], outward }) =
             moved(primitives, (origin - now.origin(), direction), f64::from(depth))
@@ -267,12 +292,12 @@ impl Motion<'_> {
             unreachable!("the scenes have the same topology");
         };
         let (before, after) = (before + now.origin(), after + then.origin());
-        let [own, other] = [side, -side].map(|side| other_pose.project_in_f64(after, side));
-        let [x, y, z] = own;
+        let [x, y, z] = self.own.project(after);
         let place = (z > 0.0).then_some(([x, y], z));
-        let disparity = |pose: &Pose, own: f64, other: f64| f64::from(side) * pose.shorter_way(other - own);
-        let [now_in_other, ..] = pose.project_in_f64(before, -side);
-        let change = disparity(&other_pose, x, other[0]) - disparity(&pose, center[0], now_in_other);
+        let disparity = |turn, own: f64, other: f64| self.side * shorter_way(turn, other - own);
+        let [now_in_other, ..] = self.other_now.project(before);
+        let [in_other, ..] = self.other.project(after);
+        let change = disparity(self.turns[1], x, in_other) - disparity(self.turns[0], center[0], now_in_other);
         self.point(center, place, change, after - before, (id, outward))
     }
 
@@ -284,9 +309,8 @@ impl Motion<'_> {
         displacement: DVec3,
         (primitive, outward): (u32, DVec3),
     ) -> Point {
-        let pose = &self.then.1;
         let (place, depth) = seen.unwrap_or(([f64::NAN; 2], f64::NAN));
-        let [width, height] = pose.size.map(f64::from);
+        let [width, height] = self.motion.then.1.size.map(f64::from);
         let is_inside = (0.0..width).contains(&place[0]) && (0.0..height).contains(&place[1]);
         let class = match seen {
             None => FlowClass::Behind,
@@ -298,10 +322,15 @@ impl Motion<'_> {
             depth,
             primitive,
             outward,
-            flow: [pose.shorter_way(place[0] - center[0]) as f32, (place[1] - center[1]) as f32],
+            flow: [shorter_way(self.turns[1], place[0] - center[0]) as f32, (place[1] - center[1]) as f32],
             disparity_change: if class == FlowClass::Behind { f32::NAN } else { change as f32 },
             displacement: displacement.as_vec3().to_array(),
             class,
         }
     }
+}
+
+/// Returns a difference of columns, by the shorter way round a picture of all directions with so many columns.
+fn shorter_way(turn: Option<f64>, columns: f64) -> f64 {
+    turn.map_or(columns, |turn| columns - turn * (columns / turn).round())
 }

@@ -27,7 +27,7 @@ pub(crate) use self::intrinsics::Lenses;
 use self::ranges::{check_eyes, check_fields, check_pixel_angles, check_screen_distance, fault};
 pub(crate) use self::{
     circle::{Circle, CircleRay, FROM_POLE},
-    frustum::{Field, Frustum, Parallax, Sphere},
+    frustum::{Field, Frustum, Parallax, Projector, Sphere},
     ranges::least_pixel_angle,
 };
 use crate::Error;

@@ -147,11 +147,6 @@ impl Pose {
         let [right, up, forward] = [self.right, self.up, self.forward].map(Vec3::as_dvec3);
         forward * vector.z + right * vector.x + up * vector.y
     }
-
-    /// Returns a vector of the world's axes as coordinates along right, up and forward of this pose.
-    pub(crate) fn in_axes(&self, vector: DVec3) -> DVec3 {
-        DVec3::from_array([self.right, self.up, self.forward].map(|axis| axis.as_dvec3().dot(vector)))
-    }
 }
 
 #[cfg(test)]

@@ -37,6 +37,61 @@ pub(crate) struct Sphere {
     pub(crate) angles: [f64; 2],
 }
 
+/// Projects points in world coordinates into the picture of an eye, like [`Pose::project`], in f64.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Projector {
+    Screen {
+        eye: DVec3,
+        /// Columns per unit of the tangent to the right, along the right axis.
+        right: DVec3,
+        /// Rows per unit of the tangent downwards, along the down axis.
+        down: DVec3,
+        forward: DVec3,
+        principal: [f64; 2],
+    },
+    Around {
+        circle: Circle,
+        center: DVec3,
+        /// Right, up and forward.
+        axes: [DVec3; 3],
+        side: f64,
+    },
+}
+
+impl Projector {
+    /// Returns the column, the row and the depth of a point.
+    pub(crate) fn project(&self, point: DVec3) -> [f64; 3] {
+        match self {
+            Self::Screen { eye, .. } => self.from_eye(point - eye),
+            Self::Around { circle, center, axes, side } => {
+                let from_center = point - center;
+                circle.project(DVec3::from_array(axes.map(|axis| axis.dot(from_center))), *side)
+            }
+        }
+    }
+
+    /// Returns the column and row of an infinitely distant point, given by its direction, or `None` if the eye looks
+    /// away from it.
+    pub(crate) fn project_direction(&self, direction: DVec3) -> Option<[f64; 2]> {
+        match self {
+            Self::Screen { .. } => {
+                let [x, y, z] = self.from_eye(direction);
+                (z > 0.0).then_some([x, y])
+            }
+            Self::Around { circle, axes, .. } => {
+                Some(circle.project_direction(DVec3::from_array(axes.map(|axis| axis.dot(direction)))))
+            }
+        }
+    }
+
+    /// Projects a vector that begins at an eye into that eye's planar picture. Other pictures give NaN.
+    pub(super) fn from_eye(&self, to: DVec3) -> [f64; 3] {
+        let Self::Screen { right, down, forward, principal: [cx, cy], .. } = self else { return [f64::NAN; 3] };
+        let z = to.dot(*forward);
+        [cx + to.dot(*right) / z, cy + to.dot(*down) / z, z]
+    }
+}
+
 impl Frustum {
     /// Returns the horizontal coordinate of the rectangle's left side, relative to the axis of an eye. The eye is
     /// `offset` interaxials to the right of the midpoint.
@@ -237,40 +292,26 @@ impl Pose {
     /// the eye's view direction. In equirectangular pictures it is the horizontal distance along the eye's ray, and NaN
     /// for points within the viewing circle.
     pub fn project(&self, point: impl Into<DVec3>, side: f32) -> [f32; 3] {
-        self.project_in_f64(point.into(), side).map(|value| value as f32)
+        self.projector(side).project(point.into()).map(|value| value as f32)
     }
 
-    /// [`Pose::project`] in f64.
-    pub(crate) fn project_in_f64(&self, point: DVec3, side: f32) -> [f64; 3] {
-        match self.field {
-            Field::Screen(frustum) => self.project_from_eye(&frustum, point - self.eye_position(side), side),
-            Field::Sphere(sphere) => {
-                let from_centre = self.in_axes(point - self.eye_position(0.0));
-                Circle::of(self, &sphere).project(from_centre, side.into())
-            }
-        }
-    }
-
-    /// Projects an infinitely distant point, given by its direction, into the picture of an eye. Returns its column and
-    /// row, or `None` if the eye looks away from it.
-    pub(crate) fn project_direction(&self, direction: DVec3, side: f32) -> Option<[f64; 2]> {
+    /// Returns what projects points into an eye's picture, for many points.
+    pub(crate) fn projector(&self, side: f32) -> Projector {
         match self.field {
             Field::Screen(frustum) => {
-                let [x, y, z] = self.project_from_eye(&frustum, direction, side);
-                (z > 0.0).then_some([x, y])
+                let (forward, right) = self.axes(side);
+                let [fx, fy] = frustum.focal_px(self.size);
+                let [cx, cy] = frustum.principal_px(self.size, 0.5 * f64::from(side));
+                let [right, down] = [right * fx, self.up.as_dvec3() * -fy];
+                Projector::Screen { eye: self.eye_position(side), right, down, forward, principal: [cx, cy] }
             }
-            Field::Sphere(sphere) => Some(Circle::of(self, &sphere).project_direction(self.in_axes(direction))),
+            Field::Sphere(sphere) => Projector::Around {
+                circle: Circle::of(self, &sphere),
+                center: self.eye_position(0.0),
+                axes: [self.right, self.up, self.forward].map(Vec3::as_dvec3),
+                side: side.into(),
+            },
         }
-    }
-
-    /// Projects a vector that begins at an eye into that eye's planar picture, like [`Pose::project`].
-    pub(super) fn project_from_eye(&self, frustum: &Frustum, to: DVec3, side: f32) -> [f64; 3] {
-        let (forward, right) = self.axes(side);
-        let Frustum { distance, size: [width, height], .. } = *frustum;
-        let z = to.dot(forward);
-        let across = to.dot(right) * distance / z - frustum.left(0.5 * f64::from(side));
-        let down = frustum.top() - to.dot(self.up.as_dvec3()) * distance / z;
-        [across / width * f64::from(self.size[0]), down / height * f64::from(self.size[1]), z]
     }
 
     /// Returns the camera's intrinsics, for a picture of this size with pixel centres at halves. Equirectangular

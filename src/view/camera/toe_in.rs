@@ -55,7 +55,7 @@ impl Pose {
     /// Returns the largest vertical parallax in pixels, over points in the corners of either picture at depths
     /// `nearest` and `farthest`. It is 0 unless the eyes are toed in.
     pub(super) fn vertical_parallax_px(&self, nearest: f32, farthest: f32) -> f32 {
-        let (Projection::ToeIn, Field::Screen(frustum)) = (self.projection, self.field) else { return 0.0 };
+        let (Projection::ToeIn, Field::Screen(_)) = (self.projection, self.field) else { return 0.0 };
         let [w, h] = self.size.map(f64::from);
         let mut most = 0.0_f64;
         for side in [-1.0, 1.0] {
@@ -68,7 +68,7 @@ impl Pose {
                 for z in [nearest, farthest] {
                     // At infinite z the offset between the eyes vanishes.
                     let to = direction + apart / f64::from(z);
-                    let [_, row, depth] = self.project_from_eye(&frustum, to, -side);
+                    let [_, row, depth] = self.projector(-side).from_eye(to);
                     // Points beside or behind the other eye are not in its picture.
                     if depth > 0.0 {
                         most = most.max((row - y).abs());
