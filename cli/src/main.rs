@@ -20,6 +20,7 @@ mod stop;
 mod studio;
 mod summary;
 mod target;
+mod truth;
 #[cfg_attr(not(feature = "view"), path = "no_view.rs")]
 mod view;
 

@@ -196,3 +196,73 @@ fn info_says_what_there_is_in_a_file_and_where_edges_are_smooth() {
     assert_eq!(found, [false, true, false, false]);
     assert!(printed(&["info"]).contains("\nadapter    "));
 }
+
+/// A glTF file of a square that moves by one unit to the right within a second.
+fn moving(folder: &Folder) -> String {
+    let corners: [[f32; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    let places: [[f32; 3]; 2] = [[0.0; 3], [1.0, 0.0, 0.0]];
+    let numbers = [corners.as_flattened(), &[0.0, 1.0], places.as_flattened()].concat();
+    let mut bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+    bytes.extend([0_u8, 1, 2, 0, 2, 3]);
+    fs::write(folder.file("moving.bin"), bytes).unwrap();
+    let json = r#"{
+        "asset": { "version": "2.0" },
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 3 }] }],
+        "animations": [{
+            "name": "slide",
+            "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }],
+            "samplers": [{ "input": 1, "output": 2 }]
+        }],
+        "buffers": [{ "byteLength": 86, "uri": "moving.bin" }],
+        "bufferViews": [
+            { "buffer": 0, "byteOffset": 0, "byteLength": 48 }, { "buffer": 0, "byteOffset": 48, "byteLength": 8 },
+            { "buffer": 0, "byteOffset": 56, "byteLength": 24 }, { "buffer": 0, "byteOffset": 80, "byteLength": 6 }
+        ],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4 },
+            { "bufferView": 1, "componentType": 5126, "type": "SCALAR", "count": 2 },
+            { "bufferView": 2, "componentType": 5126, "type": "VEC3", "count": 2 },
+            { "bufferView": 3, "componentType": 5121, "type": "SCALAR", "count": 6 }
+        ]
+    }"#;
+    let path = folder.file("moving.gltf");
+    fs::write(&path, json).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn animations_play_with_the_flow_of_their_points() {
+    let folder = Folder::new("play");
+    let (file, out) = (moving(&folder), folder.file("film").to_str().unwrap().to_owned());
+    let still = folder.file("still").to_str().unwrap().to_owned();
+    let look =
+        ["--plain", "--fov", "45", "--eye", "0,0,6", "--target", "0,0,0", "--size", "48x32", "--method", "naive"];
+    let film = [&["sequence", &file, "--fps", "2", "--ground-truth", "--out", &out], &look[..]].concat();
+    assert!(printed(&film).starts_with("3 pairs in "));
+    assert!(printed(&film).contains("; 3 already existed"));
+    // The same picture by `render`, at the time of the last one.
+    printed(&[&["render", &file, "--time", "1", "--out", &still], &look[..]].concat());
+    let bytes = |name: &str| fs::read(folder.file(name)).unwrap();
+    assert_eq!(bytes("film/left_0002.png"), bytes("still/left.png"));
+    assert_ne!(bytes("film/left_0000.png"), bytes("film/left_0002.png"));
+    let has = |name: &str| folder.file(name).exists();
+    assert!(has("film/truth_0001/flow_forward0.flo") && has("film/truth_0001/flow_backward1.flo"));
+    assert!(!has("film/truth_0000/flow_backward0.flo") && !has("film/truth_0002/flow_forward0.flo"));
+    // The square is six units away, and moves by half a unit within a picture.
+    let flow = bytes("film/truth_0001/flow_forward0.flo");
+    let step = |index: usize| f32::from_le_bytes(flow[12 + 4 * index..][..4].try_into().unwrap());
+    let middle = 48 * 16 + 26;
+    let expected = 0.5 / 6.0 * 16.0 / 22.5_f32.to_radians().tan();
+    assert!((step(2 * middle) - expected).abs() < 1e-4 && step(2 * middle + 1).abs() < 1e-4, "{}", step(2 * middle));
+    for (more, text) in [
+        (&["render", "builtin:near", "--time", "1"][..], "--time 1: the scene has no animations"),
+        (&["render", &file, "--animation", "walk"], "--animation walk: no such animation; use slide"),
+        (&["render", &file, "--time", "inf"], "it must be a finite number"),
+        (&["sequence", &file, "--ground-truth", "--out", "a_%d.png"], "--ground-truth: a_%d.png is not a folder"),
+    ] {
+        let message = error_of(more);
+        assert!(message.contains(text), "{message}");
+    }
+}

@@ -9,6 +9,7 @@ use std::{
     },
 };
 
+use numpy::{IntoPyArray, PyArray3, ndarray::Array3};
 use pyo3::{prelude::*, types::PyString};
 use stereotrace::{
     Animation, Builtin, Ellipsoid, MaterialId, Mesh, MissingTextures, Origin, OutsideFiles, Plane, SceneFile,
@@ -124,6 +125,45 @@ impl Scene {
         match (id as usize) < count {
             true => Ok(()),
             false => Err(refused(format!("material {id}: the scene has {count}, counted from 0"))),
+        }
+    }
+}
+
+/// Parts of a mesh beside vertices and faces, as Python's keywords.
+struct Parts<'a, 'py> {
+    name: &'a str,
+    material: Option<&'a Bound<'py, PyAny>>,
+    normals: Option<&'a Bound<'py, PyAny>>,
+    uv: Option<&'a Bound<'py, PyAny>>,
+    colors: Option<&'a Bound<'py, PyAny>>,
+    crease_angle: Option<f32>,
+}
+
+impl Parts<'_, '_> {
+    fn mesh(self, vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<Mesh> {
+        let positions = values::points("vertices", vertices)?;
+        let (count, faces) = (positions.len(), values::faces(faces)?);
+        if self.normals.is_some() && self.crease_angle.is_some() {
+            return Err(refused("mesh: normals are given, but crease_angle would replace them; give one of them"));
+        }
+        let mut mesh = Mesh::new(positions, Vec::new()).name(self.name);
+        if let Some(material) = self.material {
+            let ids = values::indices("material", material)?;
+            mesh = mesh.materials(ids.into_iter().map(MaterialId).collect());
+        }
+        if let Some(normals) = self.normals {
+            mesh = mesh.normals(values::corner_normals(normals, count, &faces)?);
+        }
+        if let Some(uv) = self.uv {
+            mesh = mesh.uv(values::corner_uv(uv, count, &faces)?);
+        }
+        if let Some(colors) = self.colors {
+            mesh = mesh.colors(values::corner_colors(colors, count, &faces)?);
+        }
+        mesh.triangles = faces;
+        match self.crease_angle {
+            Some(degrees) => mesh.smooth(degrees).map_err(raised),
+            None => Ok(mesh),
         }
     }
 }
@@ -316,35 +356,54 @@ impl Scene {
         colors: Option<&Bound<'_, PyAny>>,
         crease_angle: Option<f32>,
     ) -> PyResult<u32> {
-        let positions = values::points("vertices", vertices)?;
-        let (count, faces) = (positions.len(), values::faces(faces)?);
-        if normals.is_some() && crease_angle.is_some() {
-            return Err(refused("mesh: normals are given, but crease_angle would replace them; give one of them"));
-        }
-        let mut mesh = Mesh::new(positions, Vec::new()).name(name);
-        if let Some(material) = material {
-            let ids = values::indices("material", material)?;
-            mesh = mesh.materials(ids.into_iter().map(MaterialId).collect());
-        }
-        if let Some(normals) = normals {
-            mesh = mesh.normals(values::corner_normals(normals, count, &faces)?);
-        }
-        if let Some(uv) = uv {
-            mesh = mesh.uv(values::corner_uv(uv, count, &faces)?);
-        }
-        if let Some(colors) = colors {
-            mesh = mesh.colors(values::corner_colors(colors, count, &faces)?);
-        }
-        mesh.triangles = faces;
-        if let Some(degrees) = crease_angle {
-            mesh = mesh.smooth(degrees).map_err(raised)?;
-        }
+        let parts = Parts { name, material, normals, uv, colors, crease_angle };
+        let mesh = parts.mesh(vertices, faces)?;
         // Meshes are the first objects.
         let scene = self.changed();
         let others = scene.spheres().len() + scene.ellipsoids().len() + scene.planes().len();
         let object = scene.object_count() - others;
         scene.add_mesh(&mesh).map_err(raised)?;
         Ok(object as u32)
+    }
+
+    /// Replaces a mesh by another one, as the same object. The arguments are those of ``add_mesh``.
+    ///
+    /// A mesh with as many triangles keeps the ids of all primitives, so ``Renderer.flow`` can follow its points.
+    /// Raises ``ValueError`` as ``add_mesh`` does, and for an object that is not a mesh. The scene then stays
+    /// unchanged.
+    #[pyo3(signature = (
+        object, vertices, faces, *, name = "", material = None, normals = None, uv = None, colors = None,
+        crease_angle = None
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
+    fn set_mesh(
+        &mut self,
+        object: u32,
+        vertices: &Bound<'_, PyAny>,
+        faces: &Bound<'_, PyAny>,
+        name: &str,
+        material: Option<&Bound<'_, PyAny>>,
+        normals: Option<&Bound<'_, PyAny>>,
+        uv: Option<&Bound<'_, PyAny>>,
+        colors: Option<&Bound<'_, PyAny>>,
+        crease_angle: Option<f32>,
+    ) -> PyResult<()> {
+        let parts = Parts { name, material, normals, uv, colors, crease_angle };
+        let mesh = parts.mesh(vertices, faces)?;
+        self.changed().set_mesh(object, &mesh).map_err(raised)
+    }
+
+    /// Corners of all triangles relative to ``origin``, by primitive id: float32, ``(n, 3, 3)``.
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f32>> {
+        let corners = self.inner.triangles().iter().map(|triangle| triangle.corners.map(|corner| corner.to_array()));
+        let corners: Vec<[[f32; 3]; 3]> = corners.collect();
+        let shape = (corners.len(), 3, 3);
+        let flat = corners.into_flattened().into_flattened();
+        match Array3::from_shape_vec(shape, flat) {
+            Ok(array) => array.into_pyarray(py),
+            Err(_) => unreachable!("a triangle has nine numbers"),
+        }
     }
 
     /// Adds a sphere as an object. ``center`` is relative to ``origin``; ``radius`` is in world units, above 0. Raises

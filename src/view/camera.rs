@@ -178,6 +178,11 @@ impl StereoCamera {
         self.up
     }
 
+    /// Returns the midpoint between the eyes, as given to [`StereoCamera::look_at`] or [`StereoCamera::eye`].
+    pub fn eye_position(&self) -> DVec3 {
+        self.eye
+    }
+
     /// Returns the point given to [`StereoCamera::target`].
     pub fn target_position(&self) -> DVec3 {
         self.target

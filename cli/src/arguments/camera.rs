@@ -107,6 +107,17 @@ impl CameraArguments {
         }
     }
 
+    /// Returns the place of the scene file's camera that makes the pictures, or `None` if an option places the camera.
+    pub(super) fn place_in_scene_file(&self, cameras: &[(Arc<str>, StereoCamera)]) -> Option<usize> {
+        if self.cameras.is_some() || self.eye.is_some() || self.target.is_some() {
+            return None;
+        }
+        match &self.camera {
+            None => (!cameras.is_empty()).then_some(0),
+            Some(name) => cameras.iter().position(|(own, _)| **own == **name),
+        }
+    }
+
     /// Returns the range of azimuths of equirectangular pictures, or `None` for planar ones.
     fn span(&self) -> Option<Span> {
         self.projection.and_then(|projection| projection.0)

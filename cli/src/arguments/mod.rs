@@ -6,6 +6,7 @@ mod picture;
 mod reading;
 mod short_help;
 mod subject;
+mod time;
 mod values;
 
 pub(crate) use self::{
@@ -14,7 +15,8 @@ pub(crate) use self::{
     picture::PictureArguments,
     reading::ReadingArguments,
     short_help::{command, whole_command},
-    subject::{Purpose, Stage, Subject, depths},
+    subject::{Purpose, Stage, Subject, depths, update},
+    time::TimeArguments,
     values::{above_zero, frames, size},
 };
 

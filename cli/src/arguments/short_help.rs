@@ -21,6 +21,9 @@ const COMMON: &[&str] = &[
     "sky",
     "orbit",
     "path",
+    "time",
+    "fps",
+    "ground_truth",
     "quilt",
     "layout",
     "pairs",
@@ -45,6 +48,7 @@ const EXAMPLES: [(&str, &[&str]); 7] = [
         &[
             "stereotrace sequence bunny.obj --orbit 72 --out turn    a turntable, as numbered files",
             "stereotrace sequence room.obj --path walk.json --packing side-by-side --out walk",
+            "stereotrace sequence fox.glb --fps 30 --ground-truth --out fox    an animation, with optical flow",
         ],
     ),
     (

@@ -11,11 +11,11 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    Builtin, CameraPath, GBuffer, Method, Options, Pose, Ray, Renderer, Scene, SceneFile, StereoCamera, StereoPair,
-    UploadedScene, blocking::Wait, glam::Vec3,
+    Animation, Builtin, CameraPath, GBuffer, Method, Options, Pose, Ray, Renderer, Scene, SceneFile, StereoCamera,
+    StereoPair, Update, UploadedScene, blocking::Wait, glam::Vec3,
 };
 
-use super::{CameraArguments, Global, LightArguments, PictureArguments, ReadingArguments};
+use super::{CameraArguments, Global, LightArguments, PictureArguments, ReadingArguments, TimeArguments};
 use crate::{progress::Progress, shown, studio};
 
 /// Number of lights placed in a scene without lights, if the automatic look is off.
@@ -42,6 +42,8 @@ pub(crate) struct Subject {
     #[command(flatten)]
     light: LightArguments,
     #[command(flatten)]
+    time: TimeArguments,
+    #[command(flatten)]
     pub(crate) reading: ReadingArguments,
 }
 
@@ -65,13 +67,46 @@ pub(crate) struct Stage {
     pub(crate) is_by_paths_by_default: bool,
     pub(crate) renderer: Renderer,
     pub(crate) uploaded: UploadedScene,
+    /// The animation of the scene's file that the options choose.
+    pub(crate) playing: Option<Playing>,
+    /// Animations of the scene's file.
+    pub(crate) animations: Vec<Animation>,
     /// Time to read or make the scene.
     pub(crate) read: Duration,
     /// Time to build the BVH and to upload it.
     pub(crate) build: Duration,
 }
 
+/// An animation that moves a scene.
+#[derive(Clone, Debug)]
+pub(crate) struct Playing {
+    pub(crate) animation: Animation,
+    /// Time of --time in seconds, or 0.
+    pub(crate) begin: f64,
+    /// Camera of the file that makes the pictures, by its place.
+    camera: Option<usize>,
+}
+
+impl Playing {
+    /// Moves a camera to its place at a time, if it is a camera of the file.
+    pub(crate) fn camera(&self, camera: StereoCamera, seconds: f64) -> Result<StereoCamera, stereotrace::Error> {
+        let Some(place) = self.camera else { return Ok(camera) };
+        Ok(match self.animation.camera(place, seconds)? {
+            None => camera,
+            Some(moved) => camera.eye(moved.eye_position()).target(moved.target_position()).up(moved.up_direction()),
+        })
+    }
+}
+
 impl Stage {
+    /// Moves the scene to a time of its animation, in seconds, and updates the device. Returns the camera at this time.
+    pub(crate) fn seek(&mut self, seconds: f64) -> Result<StereoCamera, stereotrace::Error> {
+        let Some(playing) = &self.playing else { return Ok(self.camera) };
+        playing.animation.pose(&mut self.scene, seconds)?;
+        update(&self.renderer, &mut self.uploaded, &self.scene)?;
+        playing.camera(self.camera, seconds)
+    }
+
     /// Renders a pair of the scene and shows the progress.
     pub(crate) fn render(
         &mut self,
@@ -81,6 +116,21 @@ impl Stage {
     ) -> Result<StereoPair, stereotrace::Error> {
         let mut show = |now| progress.show(now);
         self.renderer.pair(&self.uploaded, &camera).options(&options).progress(&mut show).read().wait()
+    }
+}
+
+/// Updates a scene on the device. Its tree is refitted if that is possible, else rebuilt.
+pub(crate) fn update(
+    renderer: &Renderer,
+    uploaded: &mut UploadedScene,
+    scene: &Scene,
+) -> Result<(), stereotrace::Error> {
+    match renderer.update(uploaded, scene, Update::Refit).wait() {
+        Err(stereotrace::Error::Scene { .. }) => {
+            *uploaded = renderer.upload(scene).wait()?;
+            Ok(())
+        }
+        done => done,
     }
 }
 
@@ -145,7 +195,19 @@ impl Subject {
     /// Reads all files, then opens the device and uploads the scene.
     pub(crate) fn open(&self, purpose: Purpose, global: &Global) -> Result<Stage, Box<dyn Error>> {
         let begin = Instant::now();
-        let (mut scene, cameras) = self.scene()?;
+        let (mut scene, mut cameras, animations) = self.scene()?;
+        let animation = self.time.animation(&animations)?;
+        if let (Some(animation), Some(seconds)) = (&animation, self.time.seconds()) {
+            animation.pose(&mut scene, seconds)?;
+            for (place, (_, camera)) in cameras.iter_mut().enumerate() {
+                *camera = animation.camera(place, seconds)?.unwrap_or(*camera);
+            }
+        }
+        let playing = animation.map(|animation| Playing {
+            animation,
+            begin: self.time.seconds().unwrap_or_default(),
+            camera: self.camera.place_in_scene_file(&cameras),
+        });
         let camera = self.stereo_camera(&scene, &cameras)?;
         let by_paths = purpose != Purpose::Data && self.is_flattered() && self.suits_paths(&scene);
         self.place_lights(&mut scene, &camera, by_paths)?;
@@ -187,6 +249,8 @@ impl Subject {
             is_by_paths_by_default: by_paths,
             renderer,
             uploaded,
+            playing,
+            animations,
             read,
             build,
         })
@@ -250,10 +314,10 @@ impl Subject {
         self.builtin_name().is_none() && !self.plain && self.camera.cameras.is_none()
     }
 
-    /// Reads or builds the scene without its sky, and reads the file's cameras.
-    fn scene(&self) -> Result<(Scene, Cameras), Box<dyn Error>> {
+    /// Reads or builds the scene without its sky, and reads the file's cameras and animations.
+    fn scene(&self) -> Result<(Scene, Cameras, Vec<Animation>), Box<dyn Error>> {
         if let Some(builtin) = self.builtin()? {
-            return Ok((builtin.scene(), Vec::new()));
+            return Ok((builtin.scene(), Vec::new(), Vec::new()));
         }
         if self.scene.is_dir() || !self.scene.exists() {
             let fault = if self.scene.is_dir() { "is a folder" } else { "no such file" };
@@ -261,8 +325,9 @@ impl Subject {
             let names = Vec::from_iter(names).join(", ");
             return Err(format!("{}: {fault}; give a scene file, or one of {names}", shown(&self.scene)).into());
         }
-        let SceneFile { scene, cameras, .. } = SceneFile::open(&self.scene, &self.reading.options(&self.scene))?;
-        Ok((scene, cameras))
+        let file = SceneFile::open(&self.scene, &self.reading.options(&self.scene))?;
+        let SceneFile { scene, cameras, animations, .. } = file;
+        Ok((scene, cameras, animations))
     }
 
     /// Returns the camera of --cameras, of the built-in scene or of the scene file, else a camera that shows the whole

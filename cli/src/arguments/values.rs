@@ -183,6 +183,11 @@ pub(crate) fn millions(text: &str) -> Result<Millions, String> {
     Ok(Millions((1e6 * count).round() as u64))
 }
 
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| "it must be a finite number".into())
+}
+
 pub(crate) fn above_zero(text: &str) -> Result<f32, String> {
     let number = text.parse().ok().filter(|&number: &f32| number > 0.0 && number.is_finite());
     number.ok_or_else(|| "it must be a number above 0".into())

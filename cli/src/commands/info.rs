@@ -83,6 +83,9 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
         counted(materials, "material", "materials"),
         counted(objects, "object", "objects")
     )?;
+    for animation in &stage.animations {
+        writeln!(text, "           animation {}, {:.2} s", escaped(animation.name()), animation.duration())?;
+    }
     let bounds = stage.scene.bounds();
     if let Some((low, high)) = bounds {
         writeln!(text, "           from {low} to {high}")?;
@@ -133,6 +136,7 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
         "textured": textured,
         "normals": stage.scene.has_normals(),
         "objects": objects,
+        "animations": stage.animations.iter().map(|one| json!([one.name(), one.duration()])).collect::<Vec<_>>(),
         "origin": origin.to_array(),
         "bounds": bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
         "bytes": bytes,

@@ -8,7 +8,7 @@ use stereotrace::{CameraPath, StereoCamera};
 use crate::{arguments::Subject, shown};
 
 /// Maximum number of pictures, so that the digits of file names suffice.
-const MOST: u32 = 1_000_000;
+pub(super) const MOST: u32 = 1_000_000;
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Motion")]

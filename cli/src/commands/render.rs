@@ -10,7 +10,7 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    GBuffer, GroundTruth, Lighting, Method, Options, Projection, StereoPair,
+    GBuffer, Lighting, Method, Options, Projection, StereoPair,
     blocking::Wait,
     metrics::{Difference, compare},
     output::Batch,
@@ -24,6 +24,7 @@ use crate::{
     stop::{Interrupted, Stop},
     summary::Summary,
     target::{EyesArguments, Target, add_pair, is_open_exr, is_single_picture},
+    truth::add_truth,
 };
 
 /// Error of a run that a signal ended.
@@ -215,33 +216,6 @@ fn difference_to_naive(stage: &mut Stage, pair: &StereoPair) -> Result<Differenc
     let truth = stage.options.clone().method(Method::Naive).count(false).shadow_buffer(None);
     let naive = stage.renderer.pair(&stage.uploaded, &stage.camera).options(&truth).read().wait()?;
     compare(&pair.right, &naive.right, &pair.pose)
-}
-
-/// Adds the ground truth of both views. KITTI's disparities are added for parallel cameras only: with a finite screen
-/// they are negative behind it, which these files can't hold.
-fn add_truth(batch: &mut Batch, truth: &GroundTruth, folder: &Path) -> Result<(), Box<dyn Error>> {
-    for (n, eye) in [&truth.left, &truth.right].into_iter().enumerate() {
-        let (width, height) = (eye.width, eye.height);
-        let file = |name: &str, ending: &str| folder.join(format!("{name}{n}.{ending}"));
-        batch.add_pfm(file("disp", "pfm"), width, height, &eye.disparity)?;
-        batch.add_nocc_mask(folder.join(format!("mask{n}nocc.png")), eye)?;
-        batch.add_occlusion(file("occlusion", "png"), eye)?;
-        batch.add_sky_mask(file("sky", "png"), eye)?;
-        batch.add_pfm(file("depth_z", "pfm"), width, height, &eye.depth)?;
-        batch.add_pfm(file("distance", "pfm"), width, height, &eye.distance)?;
-        batch.add_pfm_color(file("normals", "pfm"), width, height, &eye.shading_normal)?;
-        batch.add_ids_png(file("objects", "png"), width, height, &eye.object)?;
-        batch.add_ids_png(file("materials", "png"), width, height, &eye.material)?;
-        if truth.pose.intrinsics().is_some_and(|intrinsics| intrinsics.doffs() == 0.0) {
-            let (all, of_both) = (eye.surfaces(), eye.surfaces_of_both());
-            batch.add_kitti_disparity(file("disp_occ_", "png"), width, height, &eye.disparity, &all)?;
-            batch.add_kitti_disparity(file("disp_noc_", "png"), width, height, &eye.disparity, &of_both)?;
-        }
-    }
-    if truth.pose.intrinsics().is_some() {
-        batch.add_calib(folder.join("calib.txt"), truth)?;
-    }
-    Ok(batch.add_camera_json(folder.join("camera.json"), &truth.pose)?)
 }
 
 /// Adds the maps of --dump: re-traced pixels, shadows, cost, depth and primitive ids.

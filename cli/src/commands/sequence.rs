@@ -12,20 +12,26 @@ use std::{
 
 use clap::Args;
 use serde_json::{Value, json};
-use stereotrace::{Lighting, MAX_PATHS, Options, StereoPair, message::counted, output::Batch, output::write_whole};
+use stereotrace::{
+    GBuffer, Lighting, MAX_PATHS, Moment, Options, Scene, StereoCamera, StereoPair, UploadedScene, blocking::Wait,
+    message::counted, output::Batch, output::write_whole,
+};
 
-use super::motion::{Motion, MotionArguments};
+use super::motion::{MOST, Motion, MotionArguments};
 use crate::{
-    arguments::{Global, Purpose, Stage, Subject, frames},
+    arguments::{Global, Purpose, Stage, Subject, above_zero, frames, update},
     progress::Progress,
     record, shown,
     stop::{Interrupted, Stop},
     summary::Summary,
     target::{EyesArguments, Target, add_pair, is_open_exr},
+    truth::{add_flow, add_truth},
 };
 
 /// File that records the settings and inputs of a folder's pictures.
 const RECORD: &str = "sequence.json";
+/// A file of each picture's ground truth.
+const TRUTH_IS_THERE: &str = "camera.json";
 /// Number of pictures of the default motion, an orbit.
 const ORBIT: u32 = 72;
 /// Number of consecutive pictures that a history spans. Then it begins anew. A run that goes on in the middle of a film
@@ -49,6 +55,14 @@ pub(crate) struct Arguments {
     /// Replace existing pictures, also those of other settings
     #[arg(long)]
     overwrite: bool,
+    /// Pictures per second of the scene file's animation. Without --orbit or --path, the animation's duration gives the
+    /// number of pictures
+    #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = above_zero, allow_hyphen_values = true)]
+    fps: f32,
+    /// Write ground truth of each pair into a folder truth_0000: that of `render`, and optical flow, change of
+    /// disparity and scene flow to the next picture and to the one before. --out must be a folder
+    #[arg(long)]
+    ground_truth: bool,
     #[command(flatten)]
     subject: Subject,
     #[command(flatten)]
@@ -60,10 +74,12 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let names = Names::of(&arguments.out)?;
     let mut stage = arguments.subject.open(Purpose::Pictures, global)?;
-    let motion = arguments.motion.motion(&arguments.subject, stage.camera)?;
-    let motion = motion.unwrap_or(Motion::Orbit(stage.camera, ORBIT));
+    if arguments.ground_truth && !matches!(names, Names::Folder(_)) {
+        return Err(format!("--ground-truth: {} is not a folder", shown(&arguments.out)).into());
+    }
+    let film = Film::of(arguments, &stage)?;
     let eyes = arguments.eyes.suiting(&stage.camera.pose()?);
-    let all = 0..motion.frames();
+    let all = 0..film.frames();
     let range = arguments.frames.clone().unwrap_or(all.clone());
     if range.end > all.end {
         return Err(format!("--frames {}..{}: the sequence has {}", range.start, range.end, all.end).into());
@@ -71,12 +87,15 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let stop = Stop::on_signals()?;
     let pending = match names.folder() {
         Some(folder) => {
-            let record = record::of(&arguments.subject, &stage.scene, &(&eyes, &motion))?;
+            let settings = (&eyes, &film.motion, film.begin.to_bits(), film.fps.to_bits(), arguments.ground_truth);
+            let record = record::of(&arguments.subject, &stage.scene, &settings)?;
             let there = |frame: &u32| names.files(*frame, &eyes).iter().any(|file| file.exists());
             keep(&record, folder, arguments.overwrite, || {
                 all.clone().filter(there).flat_map(|frame| names.files(frame, &eyes)).collect()
             })?;
-            range.clone().filter(|frame| !names.are_there(*frame, &eyes)).collect::<Vec<_>>()
+            let has_truth = |frame: u32| truth_folder(folder, frame).join(TRUTH_IS_THERE).exists();
+            let is_there = |frame: u32| names.are_there(frame, &eyes) && (!arguments.ground_truth || has_truth(frame));
+            range.clone().filter(|frame| !is_there(*frame)).collect::<Vec<_>>()
         }
         None => range.clone().collect(),
     };
@@ -85,6 +104,10 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     if !arguments.subject.picture.gives("history") {
         stage.options = stage.options.history(HISTORY);
     }
+    if arguments.ground_truth {
+        stage.options = stage.options.g_buffer(GBuffer::Ids);
+    }
+    let mut truth = arguments.ground_truth.then(Truth::default);
     let begin = Instant::now();
     let mut progress = Progress::new(global, pending.len() as u32);
     let mut size = [0, 0];
@@ -98,11 +121,15 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
             if stop.is_asked_for() {
                 return Err(interrupted().into());
             }
-            picture(&mut stage, &motion, earlier, &mut progress)?;
+            picture(&mut stage, &film, earlier, &mut progress)?;
         }
-        let pair = picture(&mut stage, &motion, frame, &mut progress)?;
+        let pair = picture(&mut stage, &film, frame, &mut progress)?;
         last = Some(frame);
-        size = match names.write(&pair, frame, &eyes) {
+        let mut batch = Batch::new();
+        if let (Some(truth), Names::Folder(folder)) = (&mut truth, &names) {
+            truth.add(&mut batch, &stage, &film, frame, &pair, &truth_folder(folder, frame))?;
+        }
+        size = match names.write(batch, &pair, frame, &eyes) {
             // The signal may also have ended the program that reads the pipe.
             Err(_) if names == Names::Stdout && stop.is_asked_for() => return Err(interrupted().into()),
             written => written?,
@@ -139,7 +166,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
 /// Renders a picture. The first one of a block depends on no other.
 fn picture(
     stage: &mut Stage,
-    motion: &Motion,
+    film: &Film,
     frame: u32,
     progress: &mut Progress,
 ) -> Result<StereoPair, stereotrace::Error> {
@@ -153,7 +180,99 @@ fn picture(
             options = options.lighting(Lighting::Paths { bounces, samples });
         }
     }
-    stage.render(motion.at(frame), options, progress)
+    let own = stage.seek(film.seconds(frame))?;
+    stage.render(film.motion.as_ref().map_or(own, |motion| motion.at(frame)), options, progress)
+}
+
+/// Motion of a film's camera and scene.
+struct Film {
+    /// Motion of the camera; `None` for a camera that stays or that the animation moves.
+    motion: Option<Motion>,
+    /// Duration of the animation in seconds.
+    duration: f64,
+    /// Time of picture 0 in seconds.
+    begin: f64,
+    fps: f32,
+}
+
+impl Film {
+    fn of(arguments: &Arguments, stage: &Stage) -> Result<Self, Box<dyn Error>> {
+        let motion = arguments.motion.motion(&arguments.subject, stage.camera)?;
+        let orbit = || stage.playing.is_none().then_some(Motion::Orbit(stage.camera, ORBIT));
+        Ok(Self {
+            motion: motion.or_else(orbit),
+            duration: stage.playing.as_ref().map_or(0.0, |playing| playing.animation.duration() - playing.begin),
+            begin: stage.playing.as_ref().map_or(0.0, |playing| playing.begin),
+            fps: arguments.fps,
+        })
+    }
+
+    fn frames(&self) -> u32 {
+        let by_time = || ((self.duration.max(0.0) * f64::from(self.fps)).round() as u32 + 1).min(MOST);
+        self.motion.as_ref().map_or_else(by_time, Motion::frames)
+    }
+
+    /// Returns the time of a picture in seconds.
+    fn seconds(&self, frame: u32) -> f64 {
+        self.begin + f64::from(frame) / f64::from(self.fps)
+    }
+
+    /// Returns the camera of a picture.
+    fn camera(&self, stage: &Stage, frame: u32) -> Result<StereoCamera, stereotrace::Error> {
+        match (&self.motion, &stage.playing) {
+            (Some(motion), _) => Ok(motion.at(frame)),
+            (None, Some(playing)) => playing.camera(stage.camera, self.seconds(frame)),
+            (None, None) => Ok(stage.camera),
+        }
+    }
+}
+
+/// What makes the ground truth of pictures.
+#[derive(Default)]
+struct Truth {
+    /// The scene at the time of another picture, if it moves.
+    other: Option<(Scene, UploadedScene)>,
+}
+
+impl Truth {
+    /// Adds the ground truth of a picture, and the flow to its neighbours.
+    fn add(
+        &mut self,
+        batch: &mut Batch,
+        stage: &Stage,
+        film: &Film,
+        frame: u32,
+        pair: &StereoPair,
+        folder: &Path,
+    ) -> Result<(), Box<dyn Error>> {
+        fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", shown(folder)))?;
+        add_truth(batch, &stage.renderer.ground_truth(&stage.uploaded, &stage.scene, pair).wait()?, folder)?;
+        let before = frame.checked_sub(1).map(|before| ("backward", before));
+        let after = (frame + 1 < film.frames()).then_some(("forward", frame + 1));
+        for (direction, other) in [after, before].into_iter().flatten() {
+            let camera = film.camera(stage, other)?;
+            let (scene, uploaded) = match &stage.playing {
+                None => (&stage.scene, &stage.uploaded),
+                Some(playing) => {
+                    let (scene, uploaded) = match &mut self.other {
+                        Some(other) => other,
+                        none => none.insert((stage.scene.clone(), stage.renderer.upload(&stage.scene).wait()?)),
+                    };
+                    playing.animation.pose(scene, film.seconds(other))?;
+                    update(&stage.renderer, uploaded, scene)?;
+                    (&*scene, &*uploaded)
+                }
+            };
+            let then = Moment { scene, uploaded, camera: &camera };
+            add_flow(batch, &stage.renderer.flow(pair, &stage.scene, then).wait()?, direction, folder)?;
+        }
+        Ok(())
+    }
+}
+
+/// Returns the folder of a picture's ground truth.
+fn truth_folder(folder: &Path, frame: u32) -> PathBuf {
+    folder.join(format!("truth_{frame:04}"))
 }
 
 /// Returns the pictures before `frame` in its block that the renderer needs for its history, after picture `last`.
@@ -221,10 +340,15 @@ impl Names {
         self.files(frame, eyes).iter().all(|file| file.exists())
     }
 
-    /// Writes all files of a pair, or none. Returns width and height of the picture of both eyes.
-    fn write(&self, pair: &StereoPair, frame: u32, eyes: &EyesArguments) -> Result<[u32; 2], Box<dyn Error>> {
+    /// Writes all files of a pair and those of the batch, or none. Returns width and height of the picture of both eyes.
+    fn write(
+        &self,
+        mut batch: Batch,
+        pair: &StereoPair,
+        frame: u32,
+        eyes: &EyesArguments,
+    ) -> Result<[u32; 2], Box<dyn Error>> {
         let both = eyes.picture(&pair.left, &pair.right);
-        let mut batch = Batch::new();
         match &*self.files(frame, eyes) {
             [] => {
                 let rgb: Vec<u8> = both.rgba8.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect();

@@ -62,7 +62,7 @@ impl Projector {
     /// Returns the column, the row and the depth of a point.
     pub(crate) fn project(&self, point: DVec3) -> [f64; 3] {
         match self {
-            Self::Screen { eye, .. } => self.from_eye(point - eye),
+            Self::Screen { eye, .. } => self.project_offset(point - eye),
             Self::Around { circle, center, axes, side } => {
                 let from_center = point - center;
                 circle.project(DVec3::from_array(axes.map(|axis| axis.dot(from_center))), *side)
@@ -75,7 +75,7 @@ impl Projector {
     pub(crate) fn project_direction(&self, direction: DVec3) -> Option<[f64; 2]> {
         match self {
             Self::Screen { .. } => {
-                let [x, y, z] = self.from_eye(direction);
+                let [x, y, z] = self.project_offset(direction);
                 (z > 0.0).then_some([x, y])
             }
             Self::Around { circle, axes, .. } => {
@@ -85,7 +85,7 @@ impl Projector {
     }
 
     /// Projects a vector that begins at an eye into that eye's planar picture. Other pictures give NaN.
-    pub(super) fn from_eye(&self, to: DVec3) -> [f64; 3] {
+    pub(super) fn project_offset(&self, to: DVec3) -> [f64; 3] {
         let Self::Screen { right, down, forward, principal: [cx, cy], .. } = self else { return [f64::NAN; 3] };
         let z = to.dot(*forward);
         [cx + to.dot(*right) / z, cy + to.dot(*down) / z, z]

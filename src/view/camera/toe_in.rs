@@ -68,7 +68,7 @@ impl Pose {
                 for z in [nearest, farthest] {
                     // At infinite z the offset between the eyes vanishes.
                     let to = direction + apart / f64::from(z);
-                    let [_, row, depth] = self.projector(-side).from_eye(to);
+                    let [_, row, depth] = self.projector(-side).project_offset(to);
                     // Points beside or behind the other eye are not in its picture.
                     if depth > 0.0 {
                         most = most.max((row - y).abs());

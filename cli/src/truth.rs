@@ -1,0 +1,45 @@
+//! Writes ground truth files.
+
+use std::{error::Error, path::Path};
+
+use stereotrace::{Flow, GroundTruth, output::Batch};
+
+/// Adds the ground truth of both views. KITTI's disparities are added for parallel cameras only: with a finite screen
+/// they are negative behind it, which these files can't hold.
+pub(crate) fn add_truth(batch: &mut Batch, truth: &GroundTruth, folder: &Path) -> Result<(), Box<dyn Error>> {
+    for (n, eye) in [&truth.left, &truth.right].into_iter().enumerate() {
+        let (width, height) = (eye.width, eye.height);
+        let file = |name: &str, ending: &str| folder.join(format!("{name}{n}.{ending}"));
+        batch.add_pfm(file("disp", "pfm"), width, height, &eye.disparity)?;
+        batch.add_nocc_mask(folder.join(format!("mask{n}nocc.png")), eye)?;
+        batch.add_occlusion(file("occlusion", "png"), eye)?;
+        batch.add_sky_mask(file("sky", "png"), eye)?;
+        batch.add_pfm(file("depth_z", "pfm"), width, height, &eye.depth)?;
+        batch.add_pfm(file("distance", "pfm"), width, height, &eye.distance)?;
+        batch.add_pfm_color(file("normals", "pfm"), width, height, &eye.shading_normal)?;
+        batch.add_ids_png(file("objects", "png"), width, height, &eye.object)?;
+        batch.add_ids_png(file("materials", "png"), width, height, &eye.material)?;
+        if truth.pose.intrinsics().is_some_and(|intrinsics| intrinsics.doffs() == 0.0) {
+            let (all, of_both) = (eye.surfaces(), eye.surfaces_of_both());
+            batch.add_kitti_disparity(file("disp_occ_", "png"), width, height, &eye.disparity, &all)?;
+            batch.add_kitti_disparity(file("disp_noc_", "png"), width, height, &eye.disparity, &of_both)?;
+        }
+    }
+    if truth.pose.intrinsics().is_some() {
+        batch.add_calib(folder.join("calib.txt"), truth)?;
+    }
+    Ok(batch.add_camera_json(folder.join("camera.json"), &truth.pose)?)
+}
+
+/// Adds the motion of both views' points to the next picture (`forward`) or to the one before (`backward`).
+pub(crate) fn add_flow(batch: &mut Batch, flow: &Flow, direction: &str, folder: &Path) -> Result<(), Box<dyn Error>> {
+    for (n, eye) in [&flow.left, &flow.right].into_iter().enumerate() {
+        let file = |name: &str, ending: &str| folder.join(format!("{name}_{direction}{n}.{ending}"));
+        batch.add_flo(file("flow", "flo"), eye)?;
+        batch.add_png(file("flow", "png"), &eye.picture(None))?;
+        batch.add_flow_classes(file("flow_class", "png"), eye)?;
+        batch.add_pfm(file("disp_change", "pfm"), eye.width, eye.height, &eye.disparity_change)?;
+        batch.add_pfm_color(file("scene_flow", "pfm"), eye.width, eye.height, &eye.displacement)?;
+    }
+    Ok(())
+}
