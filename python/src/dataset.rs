@@ -6,12 +6,13 @@ use pyo3::prelude::*;
 use stereotrace::{
     Options,
     blocking::Wait,
-    dataset::{self, MadePair, Spec},
+    dataset::{self, MadePair, NextPair, Spec},
 };
 
 use crate::{
     camera::Camera,
     errors::{raised, refused},
+    flow::{Flow, Motion},
     options::Request,
     pair::{Frame, StereoPair},
     renderer::Renderer,
@@ -35,10 +36,11 @@ impl DataSetSpec {
         self.0.to_json()
     }
 
-    /// Eye and output of each array, in the order of files: a list of tuples.
+    /// View and output of each array, in the order of files: a list of tuples. Views are ``"left"``, ``"right"``,
+    /// ``"next.left"`` and ``"next.right"``.
     #[getter]
     fn arrays(&self) -> Vec<(&'static str, &'static str)> {
-        self.0.arrays().iter().map(|(eye, channel)| (eye.name(), channel.name())).collect()
+        self.0.arrays().iter().map(|array| (array.view(), array.output.name())).collect()
     }
 }
 
@@ -96,9 +98,18 @@ impl PairMaker {
         let (made, outputs) = renderer.work_alone(py, |renderer, progress| {
             Ok((self.0.pair(renderer, item, progress).wait()?, self.0.channels()))
         })?;
-        let MadePair { pair, truth, camera, record, .. } = made;
+        let MadePair { pair, truth, camera, record, next, .. } = made;
         let record = serde_json::to_string(&record).map_err(|error| refused(error.to_string()))?;
-        let request = Request { options: Options::default(), outputs };
-        Ok((StereoPair::of(py, Frame { pair, truth, camera: Camera(camera), request })?, record))
+        let pair_of = |pair, truth, camera| {
+            let request = Request { options: Options::default(), outputs: outputs.clone() };
+            StereoPair::of(py, Frame { pair, truth, camera: Camera(camera), request })
+        };
+        let mut found = pair_of(pair, truth, camera)?;
+        if let Some(next) = next {
+            let NextPair { pair, truth, camera, forward, backward, .. } = *next;
+            let motion = (pair_of(pair, truth, camera)?, Flow::of(py, forward)?, Flow::of(py, backward)?);
+            found.motion = Some(Motion::of(py, motion)?);
+        }
+        Ok((found, record))
     }
 }

@@ -3,7 +3,27 @@
 use pyo3::prelude::*;
 use stereotrace::EyeFlow as Inner;
 
-use crate::{pair::plane, picture::shaped};
+use crate::{
+    pair::{StereoPair, plane},
+    picture::shaped,
+};
+
+/// The next pair, and the flow forwards and backwards.
+pub(crate) type MotionTuple = (Py<StereoPair>, Py<Flow>, Py<Flow>);
+
+/// Motion of a pair to the next pair of its item.
+pub(crate) struct Motion(MotionTuple);
+
+impl Motion {
+    pub(crate) fn of(py: Python<'_>, (next, forward, backward): (StereoPair, Flow, Flow)) -> PyResult<Self> {
+        Ok(Self((Py::new(py, next)?, Py::new(py, forward)?, Py::new(py, backward)?)))
+    }
+
+    pub(crate) fn tuple(&self, py: Python<'_>) -> MotionTuple {
+        let (next, forward, backward) = &self.0;
+        (next.clone_ref(py), forward.clone_ref(py), backward.clone_ref(py))
+    }
+}
 
 /// Motion of a pair's points to another time, from ``Renderer.flow``: ``left`` and ``right``, each an ``EyeFlow``.
 #[pyclass(frozen, module = "stereotrace")]

@@ -21,6 +21,7 @@ use stereotrace::{
 use crate::{
     camera::Camera,
     errors::{raised, refused},
+    flow::{Motion, MotionTuple},
     options::Request,
     picture::{array, encoded, rgb, shaped},
     statistics,
@@ -238,18 +239,27 @@ pub(crate) struct StereoPair {
     /// Right view: a ``View``.
     #[pyo3(get)]
     right: Py<View>,
+    /// Motion to the next pair of a data set's item.
+    pub(crate) motion: Option<Motion>,
 }
 
 impl StereoPair {
     pub(crate) fn of(py: Python<'_>, frame: Frame) -> PyResult<Self> {
         let frame = Arc::new(frame);
         let left = Py::new(py, View::of(Source::Left(frame.clone())))?;
-        Ok(Self { left, right: Py::new(py, View::of(Source::Right(frame.clone())))?, frame })
+        Ok(Self { left, right: Py::new(py, View::of(Source::Right(frame.clone())))?, frame, motion: None })
     }
 }
 
 #[pymethods]
 impl StereoPair {
+    /// In a data set with motion: a tuple of the item's next ``StereoPair``, the ``Flow`` of this pair's points to the
+    /// next pair, and the ``Flow`` of the next pair's points to this pair. Else ``None``.
+    #[getter]
+    fn motion(&self, py: Python<'_>) -> Option<MotionTuple> {
+        self.motion.as_ref().map(|motion| motion.tuple(py))
+    }
+
     /// Camera of the pair: a ``Camera``.
     #[getter]
     fn camera(&self) -> Camera {

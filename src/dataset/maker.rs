@@ -6,7 +6,8 @@ use serde::Serialize;
 
 use super::{Spec, draws::Draws, poses::RandomPose, stage::Stage};
 use crate::{
-    Channel, Error, GroundTruth, Maker, Occlusion, OnProgress, Renderer, Scene, StereoCamera, StereoPair, UploadedScene,
+    Channel, Error, Flow, GroundTruth, Maker, Moment, Occlusion, OnProgress, Renderer, Scene, StereoCamera, StereoPair,
+    UploadedScene,
 };
 
 /// Default memory in bytes for the scenes that are kept.
@@ -59,6 +60,24 @@ pub struct MadePair {
     pub camera: StereoCamera,
     /// Its figures.
     pub record: Record,
+    /// The next pair, if the spec has motion.
+    pub next: Option<Box<NextPair>>,
+}
+
+/// The second pair of an item with motion.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct NextPair {
+    /// The pair.
+    pub pair: StereoPair,
+    /// Its ground truth, if outputs of the spec need it.
+    pub truth: Option<GroundTruth>,
+    /// Its camera.
+    pub camera: StereoCamera,
+    /// Motion of the first pair's points to this pair.
+    pub forward: Flow,
+    /// Motion of this pair's points to the first pair.
+    pub backward: Flow,
 }
 
 /// Figures of a pair. Percentages and disparities are of the left view.
@@ -143,9 +162,13 @@ impl PairMaker {
     /// Returns the channels that pairs have: those of the spec's arrays, color and disparity, and those added by
     /// [`PairMaker::also`].
     pub fn channels(&self) -> Vec<Channel> {
-        let of_arrays = self.spec.arrays().iter().map(|(_, channel)| *channel);
-        let all: Vec<_> =
-            of_arrays.chain([Channel::Color, Channel::Disparity]).chain(self.more.iter().copied()).collect();
+        let of_arrays = self.spec.arrays().iter().filter_map(|array| array.output.channel());
+        let for_flow = self.spec.motion.as_ref().map(|_| Channel::Primitive);
+        let all: Vec<_> = of_arrays
+            .chain([Channel::Color, Channel::Disparity])
+            .chain(for_flow)
+            .chain(self.more.iter().copied())
+            .collect();
         Channel::ALL.iter().copied().filter(|channel| all.contains(channel)).collect()
     }
 
@@ -198,6 +221,7 @@ impl PairMaker {
         self.check_item(item)?;
         let (index, draws) = (self.scene_of(item), self.draws(item));
         let stage = self.scenes.stage(&self.spec, index)?;
+        stage.seek(&self.spec, &draws)?;
         let RandomPose { camera, tries } = stage.posed(renderer, &self.spec, index, &draws).await?;
         let mut made = self.pair_from(renderer, item, camera, progress).await?;
         made.record.tries = Some(tries);
@@ -219,6 +243,7 @@ impl PairMaker {
         let (index, draws, channels) = (self.scene_of(item), self.draws(item), self.channels());
         let stage = self.scenes.stage(&self.spec, index)?;
         let spec = &self.spec;
+        stage.seek(spec, &draws)?;
         stage.dress(spec, index, &draws, &camera)?;
         if let Err(error) = stage.bring(renderer).await {
             stage.undress(); // the next pair may be valid
@@ -235,8 +260,25 @@ impl PairMaker {
             true => Some(renderer.ground_truth(stage.uploaded()?, &stage.scene, &pair).await?),
             false => None,
         };
+        let next = match &spec.motion {
+            None => None,
+            Some(motion) => {
+                let next_camera = stage.advance(renderer, motion, &draws, camera).await?;
+                let (scene, uploaded) = stage.next()?;
+                let next = renderer.pair(uploaded, &next_camera).options(&options).read().await?;
+                let truth = match needs_truth {
+                    true => Some(renderer.ground_truth(uploaded, scene, &next).await?),
+                    false => None,
+                };
+                let now = Moment { scene: &stage.scene, uploaded: stage.uploaded()?, camera: &camera };
+                let then = Moment { scene, uploaded, camera: &next_camera };
+                let forward = renderer.flow(&pair, &stage.scene, then).await?;
+                let backward = renderer.flow(&next, scene, now).await?;
+                Some(Box::new(NextPair { pair: next, truth, camera: next_camera, forward, backward }))
+            }
+        };
         let record = record(item, spec.scene_name(index), &pair, truth.as_ref());
-        Ok(MadePair { pair, truth, camera, record })
+        Ok(MadePair { pair, truth, camera, record, next })
     }
 
     fn check_item(&self, item: u32) -> Result<(), Error> {

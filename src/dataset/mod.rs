@@ -8,6 +8,8 @@ mod draws;
 mod layout;
 #[cfg(feature = "dataset")]
 mod maker;
+#[cfg(feature = "dataset")]
+mod motion;
 mod poses;
 #[cfg(feature = "dataset")]
 mod spec;
@@ -16,7 +18,7 @@ mod stage;
 
 pub use layout::Layout;
 #[cfg(feature = "dataset")]
-pub use maker::{MadePair, PairMaker, Record};
+pub use maker::{MadePair, NextPair, PairMaker, Record};
 pub use poses::{FreePoses, RandomPose};
 #[cfg(feature = "dataset")]
-pub use spec::{Eye, Spec};
+pub use spec::{Array, Eye, Output, Spec};

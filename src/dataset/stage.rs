@@ -7,14 +7,16 @@ use sha2::{Digest as _, Sha256};
 
 use super::{
     draws::{Drawn, Draws, PLACES, rounded},
+    motion::{move_objects, moved_camera},
     poses::{FreePoses, RandomPose},
     spec::{
-        CameraEntry, LightEntry, Lights, OriginEntry, Poses, RandomLights, RandomMaterials, SkyEntry, Source, Spec,
+        CameraEntry, LightEntry, Lights, Motion, OriginEntry, Poses, RandomLights, RandomMaterials, SkyEntry, Source,
+        Spec,
     },
 };
 use crate::{
-    Builtin, Error, Light, Material, MaterialId, MissingTextures, Origin, OutsideFiles, Projection, Renderer, Scene,
-    SceneFile, SceneOptions, Sky, SkyMap, StereoCamera, Update, UploadedScene,
+    Animation, Builtin, Error, Light, Material, MaterialId, MissingTextures, Origin, OutsideFiles, Projection,
+    Renderer, Scene, SceneFile, SceneOptions, Sky, SkyMap, StereoCamera, Update, UploadedScene,
     camera::{HUMAN_INTERAXIAL, Intrinsics},
 };
 
@@ -29,6 +31,13 @@ pub(super) struct Stage {
     /// The scene with the lights and materials of the last pair.
     pub(super) scene: Scene,
     cameras: Vec<(Arc<str>, StereoCamera)>,
+    animations: Vec<Animation>,
+    /// Time that the scene was moved to, in seconds.
+    posed: Option<f64>,
+    /// Hash of an animated scene at rest.
+    digest: Option<String>,
+    /// The scene at the time of the next pair.
+    next: Option<(Scene, UploadedScene)>,
     builtin: Option<Builtin>,
     /// Camera from which poses are drawn, in place of the spec's camera and rig.
     given: Option<StereoCamera>,
@@ -54,6 +63,10 @@ impl Stage {
             ambient: scene.ambient,
             scene,
             cameras: Vec::new(),
+            animations: Vec::new(),
+            posed: None,
+            digest: None,
+            next: None,
             builtin: None,
             given: None,
             uploaded: None,
@@ -83,8 +96,9 @@ impl Stage {
                         Some(OriginEntry::Named("none")) => Origin::World,
                         _ => Origin::Auto,
                     });
-                let SceneFile { scene, cameras, .. } = SceneFile::open(spec.path_of(file), &options)?;
-                Self { cameras, ..Self::of(scene) }
+                let file = SceneFile::open(spec.path_of(file), &options)?;
+                let SceneFile { scene, cameras, animations, .. } = file;
+                Self { cameras, animations, ..Self::of(scene) }
             }
         };
         match &entry.sky {
@@ -95,11 +109,91 @@ impl Stage {
             Some(SkyEntry::Named(file)) => stage.scene.sky = Sky::Map(SkyMap::open(spec.path_of(file))?),
             None => {}
         }
+        if !stage.animations.is_empty() {
+            stage.digest = Some(stage.sha256(spec, index)?);
+        }
         Ok(stage)
+    }
+
+    /// Returns the animation of the spec, by default the first one.
+    fn animation(&self, motion: &Motion) -> Result<Option<&Animation>, Error> {
+        let Some(name) = &motion.animation else { return Ok(self.animations.first()) };
+        let found = self.animations.iter().find(|animation| animation.name() == name);
+        found.map(Some).ok_or_else(|| {
+            let known = Vec::from_iter(self.animations.iter().take(20).map(Animation::name)).join(", ");
+            let known = if known.is_empty() { "none".into() } else { known };
+            let reason = format!("no animation '{name}' in this scene; its animations are: {known}");
+            Error::Spec { key: "motion.animation".into(), reason }
+        })
+    }
+
+    /// Returns the time of an item's first pair in seconds.
+    fn time(motion: &Motion, animation: &Animation, draws: &Draws) -> f64 {
+        match &motion.time {
+            Some(time) => draws.draw(time, "motion.time"),
+            None => rounded(animation.duration() * draws.unit("motion.time")),
+        }
+    }
+
+    /// Moves the scene and its cameras to the time of an item's first pair.
+    pub(super) fn seek(&mut self, spec: &Spec, draws: &Draws) -> Result<(), Error> {
+        let Some(motion) = &spec.motion else { return Ok(()) };
+        let Some(animation) = self.animation(motion)?.cloned() else { return Ok(()) };
+        let time = Self::time(motion, &animation, draws);
+        if self.posed == Some(time) {
+            return Ok(());
+        }
+        // Lights of another item would not move.
+        self.scene.lights.clone_from(&self.lights);
+        animation.pose(&mut self.scene, time)?;
+        self.posed = Some(time);
+        for (place, (_, camera)) in self.cameras.iter_mut().enumerate() {
+            *camera = animation.camera(place, time)?.unwrap_or(*camera);
+        }
+        self.lights.clone_from(&self.scene.lights);
+        self.has_changed = true;
+        Ok(())
+    }
+
+    /// Makes the scene of an item's next pair and uploads it. Returns the next pair's camera.
+    pub(super) async fn advance(
+        &mut self,
+        renderer: &Renderer,
+        motion: &Motion,
+        draws: &Draws,
+        camera: StereoCamera,
+    ) -> Result<StereoCamera, Error> {
+        let mut scene = self.scene.clone();
+        if let Some(animation) = self.animation(motion)? {
+            let step = draws.draw(&motion.step, "motion.step");
+            animation.pose(&mut scene, Self::time(motion, animation, draws) + step)?;
+        }
+        if let Some(objects) = &motion.objects {
+            move_objects(&mut scene, objects, draws)?;
+        }
+        let uploaded = match self.next.take() {
+            None => renderer.upload(&scene).await?,
+            Some((_, mut uploaded)) if uploaded.belongs_to(renderer.gpu()).is_ok() => {
+                follow(renderer, &mut uploaded, &scene).await?;
+                uploaded
+            }
+            Some(_) => renderer.upload(&scene).await?,
+        };
+        self.next = Some((scene, uploaded));
+        moved_camera(camera, &motion.camera, draws)
+    }
+
+    /// Returns the scene of the item's next pair.
+    pub(super) fn next(&self) -> Result<(&Scene, &UploadedScene), Error> {
+        let fault = || Error::Scene { element: "the next scene".into(), reason: "it is not uploaded".into() };
+        self.next.as_ref().map(|(scene, uploaded)| (scene, uploaded)).ok_or_else(fault)
     }
 
     /// Returns a hash of everything that pictures of the scene depend on: its content and its camera in the spec.
     pub(super) fn sha256(&self, spec: &Spec, index: usize) -> Result<String, Error> {
+        if let Some(digest) = &self.digest {
+            return Ok(digest.clone());
+        }
         let camera = self.camera(spec, index)?.to_json()?;
         let digest = Sha256::digest(format!("{} {camera}", self.scene.sha256()));
         Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
@@ -313,7 +407,7 @@ impl Stage {
     pub(super) async fn bring(&mut self, renderer: &Renderer) -> Result<(), Error> {
         if let Some(uploaded) = self.uploaded.as_mut().filter(|uploaded| uploaded.belongs_to(renderer.gpu()).is_ok()) {
             if self.has_changed {
-                renderer.update(uploaded, &self.scene, Update::Refit).await?;
+                follow(renderer, uploaded, &self.scene).await?;
             }
         } else {
             self.uploaded = None; // frees its memory first
@@ -325,6 +419,17 @@ impl Stage {
 
     pub(super) fn uploaded(&self) -> Result<&UploadedScene, Error> {
         self.uploaded.as_ref().ok_or(Error::ForeignScene)
+    }
+}
+
+/// Updates a scene on the device. Its tree is refitted if that is possible, else rebuilt.
+async fn follow(renderer: &Renderer, uploaded: &mut UploadedScene, scene: &Scene) -> Result<(), Error> {
+    match renderer.update(uploaded, scene, Update::Refit).await {
+        Err(Error::Scene { .. }) => {
+            *uploaded = renderer.upload(scene).await?;
+            Ok(())
+        }
+        done => done,
     }
 }
 

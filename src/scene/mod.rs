@@ -335,6 +335,24 @@ impl Scene {
         self.mesh_objects.partition_point(|object| object.first_primitive <= primitive) as u32 - 1
     }
 
+    /// Returns the box of each object, relative to the origin; `None` for planes and empty meshes.
+    #[cfg(feature = "dataset")]
+    pub(crate) fn object_boxes(&self) -> Vec<Option<(Vec3, Vec3)>> {
+        let mut boxes = vec![None; self.object_count()];
+        for (primitive, triangle) in (0..).zip(&self.triangles) {
+            let own: &mut Option<(Vec3, Vec3)> = &mut boxes[self.object_of(primitive) as usize];
+            for corner in triangle.corners {
+                let (low, high) = own.unwrap_or((corner, corner));
+                *own = Some((low.min(corner), high.max(corner)));
+            }
+        }
+        let balls = self.spheres.iter().map(Sphere::corners).chain(self.ellipsoids.iter().map(Ellipsoid::corners));
+        for (own, [low, high]) in boxes[self.mesh_objects.len()..].iter_mut().zip(balls) {
+            *own = Some((low, high));
+        }
+        boxes
+    }
+
     /// Returns the name of a mesh object. It is empty for other objects and for indices out of range.
     pub fn object_name(&self, object: u32) -> &str {
         self.mesh_objects.get(object as usize).map_or("", |object| &object.name)

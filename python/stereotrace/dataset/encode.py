@@ -17,25 +17,47 @@ from .spec import Spec
 from .store import Written
 
 
+# Outputs of motion, and the attributes of ``EyeFlow`` that hold them.
+FLOW = {
+    "flow": "flow",
+    "flow_visibility": "visibility",
+    "disparity_change": "disparity_change",
+    "scene_flow": "displacement",
+}
+
+
 def files(pair: StereoPair, spec: Spec, record: dict[str, Any]) -> dict[str, bytes]:
     """Returns a pair's files: bytes by the part of the name after the pair's key.
 
     Colours and uint8 maps are PNG. All other arrays are NPY, or NPY with gzip. JSON has the camera and the record."""
     found = {}
-    for eye, output in spec.checked.arrays:
-        array = getattr(pair.left if eye == "left" else pair.right, output)
+    for view, output in spec.checked.arrays:
+        array = _array(pair, view, output)
         if output == "color":
-            found[f"{eye}.png"] = encode_png(array)
+            found[f"{view}.png"] = encode_png(array)
         elif array.dtype == np.uint8:
-            found[f"{eye}.{output}.png"] = encode_png(array)
+            found[f"{view}.{output}.png"] = encode_png(array)
         elif spec["compress"]:
             # The fastest level saves nearly as much as the others.
-            found[f"{eye}.{output}.npy.gz"] = gzip.compress(_npy(array), compresslevel=1, mtime=0)
+            found[f"{view}.{output}.npy.gz"] = gzip.compress(_npy(array), compresslevel=1, mtime=0)
         else:
-            found[f"{eye}.{output}.npy"] = _npy(array)
-    camera = json.loads(pair.camera.to_json())
-    found["json"] = json.dumps({**record, "camera": camera}, sort_keys=True).encode()
+            found[f"{view}.{output}.npy"] = _npy(array)
+    cameras = {"camera": json.loads(pair.camera.to_json())}
+    if pair.motion is not None:
+        cameras["next_camera"] = json.loads(pair.motion[0].camera.to_json())
+    found["json"] = json.dumps({**record, **cameras}, sort_keys=True).encode()
     return found
+
+
+def _array(pair: StereoPair, view: str, output: str) -> Any:
+    """Returns the array of a view: ``left``, ``right``, ``next.left`` or ``next.right``."""
+    of_next, eye = view.startswith("next."), view.removeprefix("next.")
+    if pair.motion is None:
+        return getattr(getattr(pair, eye), output)
+    following, forward, backward = pair.motion
+    if output in FLOW:
+        return getattr(getattr(backward if of_next else forward, eye), FLOW[output])
+    return getattr(getattr(following if of_next else pair, eye), output)
 
 
 def _npy(array: Any) -> bytes:

@@ -34,6 +34,8 @@ pub struct Spec {
     pub(super) poses: Poses,
     pub(super) rig: Rig,
     pub(super) randomise: Randomise,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) motion: Option<Motion>,
     /// Options of rendering as given.
     pub(super) render: Map<String, Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,7 +50,117 @@ pub struct Spec {
     pub(super) options: Options,
     /// Output arrays of the eyes, in the order of files.
     #[serde(skip)]
-    arrays: Vec<(Eye, Channel)>,
+    arrays: Vec<Array>,
+}
+
+/// An output array of an item.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub struct Array {
+    /// Whether it belongs to the item's next pair ([`NextPair`](super::NextPair)).
+    pub next: bool,
+    /// The eye.
+    pub eye: Eye,
+    /// What it holds.
+    pub output: Output,
+}
+
+impl Array {
+    /// Returns the name of its view: `left`, `right`, `next.left` or `next.right`.
+    pub fn view(self) -> &'static str {
+        match (self.next, self.eye) {
+            (false, eye) => eye.name(),
+            (true, Eye::Left) => "next.left",
+            (true, Eye::Right) => "next.right",
+        }
+    }
+}
+
+/// What an output array holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Output {
+    /// An output of rendering or of ground truth.
+    Channel(Channel),
+    /// Optical flow to the item's other pair ([`EyeFlow::flow`](crate::EyeFlow::flow)).
+    Flow,
+    /// Visibility of the points in the other pair, as a number of [`FlowClass`](crate::FlowClass).
+    FlowVisibility,
+    /// Change of disparity to the other pair ([`EyeFlow::disparity_change`](crate::EyeFlow::disparity_change)).
+    DisparityChange,
+    /// Scene flow to the other pair ([`EyeFlow::displacement`](crate::EyeFlow::displacement)).
+    SceneFlow,
+}
+
+impl Output {
+    const MOTION: [Self; 4] = [Self::Flow, Self::FlowVisibility, Self::DisparityChange, Self::SceneFlow];
+
+    /// Returns the name in specs and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Channel(channel) => channel.name(),
+            Self::Flow => "flow",
+            Self::FlowVisibility => "flow_visibility",
+            Self::DisparityChange => "disparity_change",
+            Self::SceneFlow => "scene_flow",
+        }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        let motion = Self::MOTION.into_iter().find(|output| output.name() == name);
+        motion.or_else(|| Some(Self::Channel(name.parse().ok()?)))
+    }
+
+    /// Returns the channel, or `None` for motion.
+    pub(super) fn channel(self) -> Option<Channel> {
+        match self {
+            Self::Channel(channel) => Some(channel),
+            Self::Flow | Self::FlowVisibility | Self::DisparityChange | Self::SceneFlow => None,
+        }
+    }
+}
+
+/// Motion of an item to its next pair.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Motion {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) animation: Option<String>,
+    /// Time of the first pair in seconds; by default anywhere in the animation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) time: Option<Drawn<f64>>,
+    /// Seconds from a pair to the next one.
+    pub(super) step: Drawn<f64>,
+    pub(super) camera: CameraMotion,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) objects: Option<ObjectMotion>,
+}
+
+/// Motion of a camera in its own frame: world units and degrees.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct CameraMotion {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) right: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) up: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) forward: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) turn: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) rise: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) roll: Option<Drawn<f64>>,
+}
+
+/// Motion of single objects.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct ObjectMotion {
+    /// Share of the objects that move.
+    pub(super) share: f64,
+    /// Distance in world units.
+    pub(super) distance: Drawn<f64>,
+    /// Angle in degrees.
+    pub(super) turn: Drawn<f64>,
 }
 
 /// Eye of a pair.
@@ -345,7 +457,7 @@ impl Spec {
     }
 
     /// Returns the output arrays of the eyes, in the order of files. A layout has color, disparity and occlusion.
-    pub fn arrays(&self) -> &[(Eye, Channel)] {
+    pub fn arrays(&self) -> &[Array] {
         &self.arrays
     }
 

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use serde_json::{Map, Value};
 
 use super::{
-    AroundEntry, CameraEntry, Distance, Eye, Format, LightEntry, Lights, MergeEntry, OriginEntry, Poses, RandomLights,
-    RandomMaterials, Randomise, Rig, SceneEntry, SkyEntry, Source, Spec,
+    AroundEntry, Array, CameraEntry, CameraMotion, Distance, Eye, Format, LightEntry, Lights, MergeEntry, Motion,
+    ObjectMotion, OriginEntry, Output, Poses, RandomLights, RandomMaterials, Randomise, Rig, SceneEntry, SkyEntry,
+    Source, Spec,
     fields::{
         Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
         text, whole, within,
@@ -25,6 +26,8 @@ const SCENE_FLOW_PAIRS: u32 = 10_000;
 const LONGEST_SIDE: u32 = 1 << 17;
 /// Maximum radius of a light at infinity in radians.
 const LARGEST_ANGLE: f64 = 1.5;
+/// Default time from a pair to the next one in seconds.
+const STEP: f64 = 1.0 / 24.0;
 
 pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     let value = match serde_json::from_str(text) {
@@ -42,6 +45,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     let poses = fields.get("poses", poses)?;
     let rig = fields.get("rig", rig)?;
     let randomise = fields.get("randomise", randomise)?;
+    let motion = fields.get("motion", motion)?;
     let render = fields.get("render", render)?;
     let outputs = fields.get("outputs", outputs)?;
     let compress = fields.get("compress", flag)?;
@@ -72,6 +76,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
         poses: poses.unwrap_or(Poses::Free { clearance: None, max_disparity: None, min_surfaces: None }),
         rig: rig.unwrap_or_default(),
         randomise: randomise.unwrap_or_default(),
+        motion,
         render,
         outputs: (!is_layout).then_some(names),
         compress: (!is_layout).then(|| compress.unwrap_or(false)),
@@ -415,8 +420,47 @@ fn option_text(name: &str, value: &Value, at: &str) -> Result<String, Error> {
     }
 }
 
+/// Reads the motion to an item's next pair.
+fn motion(value: &Value, at: &str) -> Result<Motion, Error> {
+    let fields = Fields::of(value, at)?;
+    let found = Motion {
+        animation: fields.get("animation", text)?,
+        time: fields.get("time", drawn(finite))?,
+        step: fields.get("step", drawn(above_zero(f64::INFINITY)))?.unwrap_or(Drawn::Value(STEP)),
+        camera: fields.get("camera", camera_motion)?.unwrap_or_default(),
+        objects: fields.get("objects", object_motion)?,
+    };
+    fields.end()?;
+    Ok(found)
+}
+
+fn camera_motion(value: &Value, at: &str) -> Result<CameraMotion, Error> {
+    let fields = Fields::of(value, at)?;
+    let found = CameraMotion {
+        right: fields.get("right", drawn(finite))?,
+        up: fields.get("up", drawn(finite))?,
+        forward: fields.get("forward", drawn(finite))?,
+        turn: fields.get("turn", drawn(finite))?,
+        rise: fields.get("rise", drawn(finite))?,
+        roll: fields.get("roll", drawn(finite))?,
+    };
+    fields.end()?;
+    Ok(found)
+}
+
+fn object_motion(value: &Value, at: &str) -> Result<ObjectMotion, Error> {
+    let fields = Fields::of(value, at)?;
+    let found = ObjectMotion {
+        share: fields.get("share", within(0.0, 1.0))?.unwrap_or(1.0),
+        distance: fields.get("distance", drawn(from_zero()))?.unwrap_or(Drawn::Value(0.0)),
+        turn: fields.get("turn", drawn(finite))?.unwrap_or(Drawn::Value(0.0)),
+    };
+    fields.end()?;
+    Ok(found)
+}
+
 /// Names of outputs as given, and the arrays that they stand for.
-type Outputs = (Vec<String>, Vec<(Eye, Channel)>);
+type Outputs = (Vec<String>, Vec<Array>);
 
 fn outputs(value: &Value, at: &str) -> Result<Outputs, Error> {
     let names = list(text)(value, at)?;
@@ -427,12 +471,15 @@ fn outputs(value: &Value, at: &str) -> Result<Outputs, Error> {
         let at = format!("{at}[{index}]");
         match array_name(name) {
             None => {
-                let known: Vec<_> = Channel::ALL.iter().map(|channel| channel.name()).collect();
-                let prefixes = "for one eye with the prefix left. or right.";
+                let channels = Channel::ALL.iter().map(|channel| channel.name());
+                let known = Vec::from_iter(channels.chain(Output::MOTION.map(Output::name)));
+                let prefixes = "for one eye with the prefix left. or right., of the next pair with next.";
                 let name = shown(&Value::from(name.as_str()));
                 return fault(&at, format!("unknown {name}; use one of {}, {prefixes}", known.join(", ")));
             }
-            Some((Some(Eye::Left), channel)) if channel.maker() == Maker::OtherView => {
+            Some(ArrayName { eye: Some(Eye::Left), output: Output::Channel(channel), .. })
+                if channel.maker() == Maker::OtherView =>
+            {
                 return fault(&at, format!("{channel} exists only for the right view"));
             }
             Some(_) => {}
@@ -441,26 +488,34 @@ fn outputs(value: &Value, at: &str) -> Result<Outputs, Error> {
     Ok(arrays(names))
 }
 
-/// Returns the eye and the channel that an output names. A name without an eye means both eyes.
-fn array_name(name: &str) -> Option<(Option<Eye>, Channel)> {
-    let (eye, channel) = match name.split_once('.') {
-        Some((eye, channel)) => (Some(Eye::ALL.into_iter().find(|known| known.name() == eye)?), channel),
+/// The arrays that an output names. A name without an eye means both eyes.
+struct ArrayName {
+    next: bool,
+    eye: Option<Eye>,
+    output: Output,
+}
+
+fn array_name(name: &str) -> Option<ArrayName> {
+    let (next, name) = name.strip_prefix("next.").map_or((false, name), |name| (true, name));
+    let (eye, output) = match name.split_once('.') {
+        Some((eye, output)) => (Some(Eye::ALL.into_iter().find(|known| known.name() == eye)?), output),
         None => (None, name),
     };
-    Some((eye, channel.parse().ok()?))
+    Some(ArrayName { next, eye, output: Output::named(output)? })
 }
 
 /// Returns the arrays of output names, each once.
 fn arrays(names: impl Into<Vec<String>>) -> Outputs {
     let names = names.into();
     let mut found = Vec::new();
-    for (eye, channel) in names.iter().filter_map(|name| array_name(name)) {
+    for ArrayName { next, eye, output } in names.iter().filter_map(|name| array_name(name)) {
+        let is_of_right = output.channel().is_some_and(|channel| channel.maker() == Maker::OtherView);
         let eyes = match eye {
             Some(eye) => vec![eye],
-            None if channel.maker() == Maker::OtherView => vec![Eye::Right],
+            None if is_of_right => vec![Eye::Right],
             None => Eye::ALL.to_vec(),
         };
-        for array in eyes.into_iter().map(|eye| (eye, channel)) {
+        for array in eyes.into_iter().map(|eye| Array { next, eye, output }) {
             if !found.contains(&array) {
                 found.push(array);
             }
@@ -473,8 +528,21 @@ fn arrays(names: impl Into<Vec<String>>) -> Outputs {
 fn check_together(spec: &Spec) -> Result<(), Error> {
     let method = spec.options.method;
     let is_bracket = matches!(method, Method::Auto | Method::Bracket(_));
-    let channels = || spec.arrays.iter().map(|(_, channel)| *channel);
-    if let Some(truth) = channels().find(|channel| channel.maker() == Maker::GroundTruth)
+    let channels = || spec.arrays.iter().filter_map(|array| array.output.channel());
+    let needs_motion = |array: &&Array| array.next || array.output.channel().is_none();
+    match (&spec.motion, spec.arrays.iter().find(needs_motion)) {
+        (None, Some(array)) => {
+            let name = format!("{}.{}", array.view(), array.output.name());
+            return fault("outputs", format!("{name} needs a next pair: set motion"));
+        }
+        (Some(_), _) if spec.format.layout().is_some() => {
+            return fault("motion", "layouts have no next pairs: use webdataset or parquet");
+        }
+        _ => {}
+    }
+    let truths = channels().find(|channel| channel.maker() == Maker::GroundTruth).map(|channel| channel.name());
+    let motions = spec.arrays.iter().map(|array| array.output).find(|output| output.channel().is_none());
+    if let Some(truth) = truths.or(motions.map(Output::name))
         && !is_bracket
         && method != Method::Naive
     {
