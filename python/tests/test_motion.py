@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stereotrace
+from stereotrace import dataset
 
 SQUARE = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
 FACES = np.array([[0, 1, 2], [0, 2, 3]])
@@ -110,3 +111,68 @@ def test_animations_pose_objects_and_cameras(tmp_path):
         scene.pose(float("nan"))
     with pytest.raises(ValueError, match="its animations are: none"):
         square().pose(0.0)
+
+
+def moving(folder: Path, **changes) -> dataset.Spec:
+    """A spec with some keys changed; ``None`` removes one."""
+    keys = {
+        "pairs": 4,
+        "seed": 5,
+        "size": [64, 48],
+        "scenes": [{"file": str(animated(folder)), "lights": 2}, {"builtin": "near"}],
+        "rig": {"interaxial": 0.1, "screen_distance": ".inf"},
+        "motion": {
+            "step": {"uniform": [0.1, 0.3]},
+            "camera": {"right": {"uniform": [-0.1, 0.1]}, "forward": 0.05, "turn": {"uniform": [-2, 2]}, "roll": 1},
+            "objects": {"share": 0.5, "distance": 0.1, "turn": {"uniform": [-20, 20]}},
+        },
+        "outputs": ["color", "disparity", "flow", "flow_visibility", "disparity_change", "next.disparity", "next.flow"],
+        **changes,
+    }
+    return dataset.Spec.load({key: value for key, value in keys.items() if value is not None})
+
+
+def test_items_of_data_sets_have_next_pairs(tmp_path):
+    spec = moving(tmp_path)
+    files = [{}, {}]
+    for found, order in zip(files, (range(4), (3, 1, 0, 2)), strict=True):
+        worker = dataset.worker.Worker(spec)
+        for item in order:
+            pair, record = worker.pair(item)
+            found[item] = dataset.worker.encode.files(pair, spec, record)
+            following, forward, backward = pair.motion
+            assert following.camera != pair.camera and following.motion is None
+            for eye in ("left", "right"):
+                there, back = getattr(forward, eye), getattr(backward, eye)
+                rows, columns = np.nonzero(there.visibility == 0)
+                x = np.rint(columns + there.flow[rows, columns, 0]).astype(int)
+                y = np.rint(rows + there.flow[rows, columns, 1]).astype(int)
+                inside = (x >= 0) & (x < 64) & (y >= 0) & (y < 48)
+                rows, columns, x, y = (values[inside] for values in (rows, columns, x, y))
+                # The nearest pixel is up to half a pixel off, so most values are close.
+                returned = np.abs(back.flow[y, x] + there.flow[rows, columns]).max(axis=1)
+                assert np.median(returned) < 0.05
+                now, then = getattr(pair, eye).disparity, getattr(following, eye).disparity
+                off = np.abs(now[rows, columns] + there.disparity_change[rows, columns] - then[y, x])
+                assert np.median(off) < 0.05
+    assert files[0] == files[1]
+    names = {"left.flow.npy", "right.flow_visibility.png", "next.left.disparity.npy", "next.right.flow.npy", "json"}
+    assert names <= set(files[0][0]) and "next.left.png" not in files[0][0]
+    assert {"camera", "next_camera"} <= set(json.loads(files[0][0]["json"]))
+
+
+def test_specs_of_motion_name_what_is_wrong(tmp_path):
+    for changes, text in (
+        ({"motion": None, "outputs": ["flow"]}, "left.flow needs a next pair: set motion"),
+        ({"motion": None, "outputs": ["next.left.color"]}, "next.left.color needs a next pair"),
+        ({"motion": {"camera": {"side": 1}}}, "motion.camera: unknown key 'side'"),
+        ({"motion": {"step": 0}}, "motion.step"),
+        ({"outputs": ["next.left.flows"]}, "unknown 'next.left.flows'"),
+        ({"format": "kitti", "outputs": None}, "layouts have no next pairs"),
+        ({"render": {"method": "atomic"}}, "flow is for pixel centres"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            moving(tmp_path, **changes)
+    with pytest.raises(ValueError, match="no animation 'run' in this scene; its animations are: slide"):
+        spec = moving(tmp_path, scenes=[{"file": str(animated(tmp_path))}], motion={"animation": "run"})
+        dataset.worker.Worker(spec).pair(0)
