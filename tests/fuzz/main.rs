@@ -102,7 +102,10 @@ fn fuzz(name: &str, seeds: &[Files]) {
         let before = seconds.map(|_| reset_peak());
         let started = Instant::now();
         match SceneFile::open(&path, &options()) {
-            Ok(_) => scenes += 1,
+            Ok(file) => {
+                scenes += 1;
+                play(file);
+            }
             Err(error) => {
                 errors += 1;
                 // The message must name a file of the case, unless the file name's extension is unknown.
@@ -121,6 +124,17 @@ fn fuzz(name: &str, seeds: &[Files]) {
     }
     println!("{name}: {scenes} scenes and {errors} errors; most memory {} KiB, by case {}", most.0 >> 10, most.1);
     assert!(case.is_some() || scenes > 0 && errors > 0, "{scenes} scenes, {errors} errors");
+}
+
+/// Moves a scene by its first animations. A fault must be an error.
+fn play(SceneFile { mut scene, cameras, animations, .. }: SceneFile) {
+    for animation in animations.iter().take(3) {
+        for share in [0.0, 0.4, 1.0] {
+            let seconds = share * animation.duration();
+            let _ = animation.pose(&mut scene, seconds);
+            let _ = (0..cameras.len()).try_for_each(|camera| animation.camera(camera, seconds).map(drop));
+        }
+    }
 }
 
 fn options() -> SceneOptions {

@@ -89,6 +89,52 @@ pub(crate) fn parts(file: &[u8]) -> (Vec<u8>, Vec<u8>) {
     (file[20..20 + length].into(), file[20 + length + 8..].into())
 }
 
+/// Returns a file with a skin, morph targets, and an animation of each kind.
+fn moving() -> Builder {
+    let mut all = Builder::new();
+    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.2], [0.0, 1.0, 0.0]];
+    let joints = all.accessor(&[0, 1, 0, 0].repeat(4), 5121, "VEC4", 4);
+    let weights = all.floats(&[[0.5, 0.5, 0.0, 0.0]; 4]);
+    let [raised, turned] = [[[0.0, 0.0, 1.0]; 4], [[0.1, 0.0, 0.0]; 4]].map(|values| all.floats(&values));
+    let normals = all.floats(&[[0.0, 0.0, 1.0]; 4]);
+    let mesh = all.mesh(
+        &square,
+        json!({
+            "mode": 6, "targets": [{ "POSITION": raised, "NORMAL": turned }, { "POSITION": turned }],
+            "attributes": { "JOINTS_0": joints, "WEIGHTS_0": weights, "NORMAL": normals }
+        }),
+    );
+    all.json["meshes"][mesh]["weights"] = json!([0.5, 0.0]);
+    let identity: Vec<u8> = (0..32).flat_map(|place| f32::from(place % 5 == 0).to_le_bytes()).collect();
+    let binds = all.accessor(&identity, 5126, "MAT4", 2);
+    let camera = all.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 0.8, "znear": 0.1 } }));
+    let tip = all.push("nodes", json!({ "translation": [0, 1, 0], "camera": camera }));
+    let root = all.node(json!({ "children": [tip] }));
+    let skin = all.push("skins", json!({ "joints": [root, tip], "inverseBindMatrices": binds }));
+    let body = all.node(json!({ "mesh": mesh, "skin": skin }));
+    let times = all.floats(&[[0.0], [0.5], [1.0]]);
+    let places = all.floats(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let turns = all.floats(&[[0.0, 0.0, 0.0, 1.0]; 9]);
+    let amounts = all.floats(&[[0.0], [1.0], [0.5], [0.5], [1.0], [0.0]]);
+    let target = |node: usize, path: &str, sampler: usize| json!({ "sampler": sampler, "target": { "node": node, "path": path } });
+    all.push(
+        "animations",
+        json!({
+            "name": "all",
+            "channels": [
+                target(root, "translation", 0), target(tip, "rotation", 1), target(body, "weights", 2),
+                target(tip, "scale", 0)
+            ],
+            "samplers": [
+                { "input": times, "output": places, "interpolation": "STEP" },
+                { "input": times, "output": turns, "interpolation": "CUBICSPLINE" },
+                { "input": times, "output": amounts }
+            ]
+        }),
+    );
+    all
+}
+
 pub(crate) fn gltf() -> Vec<Files> {
     let mut all = Builder::new();
     let texture = all.texture(&png());
@@ -166,7 +212,10 @@ pub(crate) fn gltf() -> Vec<Files> {
     let mut small = Builder::triangle(json!({}));
     small.node(json!({ "mesh": 0, "translation": [1, 0, 0] }));
     let text = serde_json::to_vec(&beside.json).unwrap();
+    let moving = moving();
     vec![
+        vec![("scene.gltf".into(), moving.text().into())],
+        vec![("scene.glb".into(), moving.binary())],
         vec![("scene.gltf".into(), all.text().into())],
         vec![("scene.glb".into(), all.binary())],
         vec![("scene.gltf".into(), text), ("the buffer.bin".into(), all.bytes)],

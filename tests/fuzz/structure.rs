@@ -46,7 +46,7 @@ const MOST_KIBIBYTES: u64 = 6 << 20;
 /// A rule that makes files of about `Size::bytes` bytes, with a picture of `Size::pixels` pixels.
 type Make = fn(&mut Random, &Size) -> Files;
 
-const STRUCTURES: [(&str, Make); 33] = [
+const STRUCTURES: [(&str, Make); 37] = [
     ("obj: objects", obj_objects),
     ("obj: one long name, many sections", obj_long_name),
     ("obj: materials of one picture", obj_materials),
@@ -74,6 +74,10 @@ const STRUCTURES: [(&str, Make); 33] = [
     ("gltf: a child many times", gltf_children),
     ("gltf: nodes in nodes", gltf_nested),
     ("gltf: lights and extensions", gltf_lights),
+    ("gltf: morph targets of one accessor", gltf_targets),
+    ("gltf: nodes of one mesh with many morph targets", gltf_weights),
+    ("gltf: nodes of one skin with many joints", gltf_skins),
+    ("gltf: channels of one sampler", gltf_channels),
     ("ply: names of properties", ply_properties),
     ("ply: names of elements", ply_elements),
     ("ply: small faces", ply_faces),
@@ -119,7 +123,9 @@ fn read_one() {
             // This also tests `content`, which programs call to hash a scene.
             let mut bytes = 0;
             file.scene.content(|piece| bytes += piece.len());
-            format!("a scene of {} triangles and {bytes} bytes", file.scene.triangles().len())
+            let triangles = file.scene.triangles().len();
+            crate::play(file);
+            format!("a scene of {triangles} triangles and {bytes} bytes")
         }
         Err(error) => error.to_string(),
     };
@@ -703,6 +709,58 @@ fn gltf_lights(random: &mut Random, size: &Size) -> Files {
     for _ in 0..size.bytes / 2 / 60 {
         builder.node(json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } }));
     }
+    file_of(random, &builder)
+}
+
+/// Makes a mesh of many vertices, and many morph targets that share one accessor.
+fn gltf_targets(random: &mut Random, size: &Size) -> Files {
+    let mut builder = Builder::triangle(json!({}));
+    let vertices = size.bytes / 144 * 3;
+    let positions = vec![[0.5, 0.25, 1.0]; vertices];
+    let moves = builder.floats(&positions);
+    let target = json!({ "POSITION": moves });
+    let targets = list(target, count(size, size.bytes / 2, 20));
+    let mesh = builder.mesh(&positions, json!({ "targets": targets }));
+    builder.node(json!({ "mesh": mesh }));
+    file_of(random, &builder)
+}
+
+fn gltf_weights(random: &mut Random, size: &Size) -> Files {
+    let mut builder = Builder::triangle(json!({}));
+    let moves = builder.floats(&[[0.5, 0.25, 1.0]; 3]);
+    let targets = count(size, size.bytes / 2, 20);
+    builder.json["meshes"][0]["primitives"][0]["targets"] = list(json!({ "POSITION": moves }), targets);
+    for _ in 0..count(size, size.bytes / 2, 12) {
+        builder.node(json!({ "mesh": 0 }));
+    }
+    file_of(random, &builder)
+}
+
+fn gltf_skins(random: &mut Random, size: &Size) -> Files {
+    let mut builder = Builder::triangle(json!({}));
+    let joints = builder.accessor(&[0; 12], 5121, "VEC4", 3);
+    let weights = builder.floats(&[[1.0, 0.0, 0.0, 0.0]; 3]);
+    builder.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = json!(joints);
+    builder.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = json!(weights);
+    let skin = builder.push("skins", json!({ "joints": list(json!(0), count(size, size.bytes / 2, 2)) }));
+    for _ in 0..count(size, size.bytes / 2, 22) {
+        builder.node(json!({ "mesh": 0, "skin": skin }));
+    }
+    file_of(random, &builder)
+}
+
+fn gltf_channels(random: &mut Random, size: &Size) -> Files {
+    let mut builder = Builder::triangle(json!({}));
+    let keys = size.bytes / 4 / 16;
+    let times = builder.floats(&(0..keys).map(|key| [key as f32]).collect::<Vec<_>>());
+    let places = builder.floats(&vec![[0.5, 0.25, 1.0]; keys]);
+    let nodes = count(size, size.bytes / 4, 90);
+    let channels = (0..nodes).map(|_| {
+        let node = builder.node(json!({ "mesh": 0 }));
+        json!({ "sampler": 0, "target": { "node": node, "path": "translation" } })
+    });
+    let channels = Value::Array(channels.collect());
+    builder.push("animations", json!({ "channels": channels, "samplers": [{ "input": times, "output": places }] }));
     file_of(random, &builder)
 }
 
