@@ -12,7 +12,7 @@ use stereotrace::{
 use crate::{
     camera::Camera,
     errors::{raised, refused},
-    flow::{Flow, Motion},
+    flow::Motion,
     options::Request,
     pair::{Frame, StereoPair},
     renderer::Renderer,
@@ -107,8 +107,7 @@ impl PairMaker {
         let mut found = pair_of(pair, truth, camera)?;
         if let Some(next) = next {
             let NextPair { pair, truth, camera, forward, backward, .. } = *next;
-            let motion = (pair_of(pair, truth, camera)?, Flow::of(py, forward)?, Flow::of(py, backward)?);
-            found.motion = Some(Motion::of(py, motion)?);
+            found.motion = Some(Motion::of(py, pair_of(pair, truth, camera)?, forward, backward)?);
         }
         Ok((found, record))
     }

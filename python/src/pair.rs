@@ -14,7 +14,7 @@ use pyo3::{
 };
 use stereotrace::{
     Channel, Channels, Error, GroundTruth, Values,
-    dataset::Layout,
+    dataset::{Layout, LayoutMotion},
     output::{Anaglyph, Batch, ExrColor, Packing, Picture, quilt},
 };
 
@@ -323,7 +323,8 @@ impl StereoPair {
     /// Raises ``ValueError`` if no output of ground truth was requested, such as ``occlusion``. Also raises it if
     /// ``kitti`` or ``sceneflow`` get cameras that are not parallel. ``kitti`` can't hold disparities of 0 or less, or
     /// of 256 pixels or more, and raises it for these. ``panorama`` holds equirectangular pictures, and the others
-    /// planar ones. Raises ``OSError`` if a file can't be written.
+    /// planar ones. Pairs with ``motion`` are written with their next pair by ``kitti`` and ``sceneflow``, and the
+    /// other layouts raise it. Raises ``OSError`` if a file can't be written.
     #[pyo3(signature = (folder, layout = "middlebury", index = 0))]
     fn write(&self, py: Python<'_>, folder: PathBuf, layout: &str, index: u32) -> PyResult<Vec<PathBuf>> {
         let layout: Layout = named(layout)?;
@@ -332,9 +333,14 @@ impl StereoPair {
                           as outputs=['color', 'occlusion']";
             return Err(refused(reason));
         };
+        let next = self.motion.as_ref().map(|motion| (motion, motion.next().frame.clone()));
+        let motion = next.as_ref().and_then(|(motion, next)| {
+            let (forward, backward) = (&*motion.forward, &*motion.backward);
+            Some(LayoutMotion { pair: &next.pair, truth: next.truth.as_ref()?, forward, backward })
+        });
         py.detach(|| {
             let mut batch = Batch::new();
-            layout.add(&mut batch, &folder, index, &self.frame.pair, truth)?;
+            layout.add_moving(&mut batch, &folder, index, (&self.frame.pair, truth), motion)?;
             batch.commit()
         })
         .map_err(raised)

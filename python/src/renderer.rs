@@ -462,7 +462,7 @@ impl Renderer {
             let then = Moment { scene: &then.inner, uploaded, camera: &camera };
             renderer.flow(&frame.pair, now, then).wait()
         })?;
-        Flow::of(py, flow)
+        Ok(Flow::of(flow))
     }
 
     /// Traces n rays to their closest hits. Returns a tuple of two arrays of shape ``(n,)``.

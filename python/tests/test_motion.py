@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -168,7 +169,7 @@ def test_specs_of_motion_name_what_is_wrong(tmp_path):
         ({"motion": {"camera": {"side": 1}}}, "motion.camera: unknown key 'side'"),
         ({"motion": {"step": 0}}, "motion.step"),
         ({"outputs": ["next.left.flows"]}, "unknown 'next.left.flows'"),
-        ({"format": "kitti", "outputs": None}, "layouts have no next pairs"),
+        ({"format": "middlebury", "outputs": None}, "the layout middlebury holds no motion"),
         ({"render": {"method": "atomic"}}, "flow is for pixel centres"),
     ):
         with pytest.raises(ValueError, match=text):
@@ -176,3 +177,30 @@ def test_specs_of_motion_name_what_is_wrong(tmp_path):
     with pytest.raises(ValueError, match="no animation 'run' in this scene; its animations are: slide"):
         spec = moving(tmp_path, scenes=[{"file": str(animated(tmp_path))}], motion={"animation": "run"})
         dataset.worker.Worker(spec).pair(0)
+
+
+def test_kitti_and_scene_flow_hold_motion(tmp_path):
+    changes = {"outputs": None, "pairs": 2, "scenes": [{"builtin": "near"}]}
+    for layout in ("kitti", "sceneflow"):
+        report = dataset.make(moving(tmp_path, format=layout, **changes), str(tmp_path / layout))
+        assert not report.errors
+    pair, _ = dataset.worker.Worker(moving(tmp_path, **{**changes, "outputs": ["occlusion", "disparity", "flow"]})).pair(1)
+    following, forward, backward = pair.motion
+    surface = pair.left.occlusion < 3
+    surface &= np.isfinite(pair.left.disparity) & (pair.left.disparity > 0)
+    training = tmp_path / "kitti" / "training"
+    # As KITTI's development kit reads it: BGR for OpenCV, so the valid channel comes first.
+    read = cv2.imread(str(training / "flow_occ" / "000001_10.png"), cv2.IMREAD_UNCHANGED).astype(np.float64)
+    valid, flow = read[..., 0] == 1, (read[..., :0:-1] - 32768) / 64
+    assert (valid == (surface & np.isfinite(forward.left.flow[..., 0]))).mean() > 0.99 and valid.any()
+    assert np.abs(flow - forward.left.flow)[valid].max() <= 0.5 / 64 + 1e-6
+    then = cv2.imread(str(training / "disp_occ_1" / "000001_10.png"), cv2.IMREAD_UNCHANGED) / 256
+    expected = pair.left.disparity + forward.left.disparity_change
+    assert np.abs(then - expected)[then > 0].max() <= 0.5 / 256 + 1e-5
+    assert np.array_equal(cv2.imread(str(training / "image_3" / "000001_11.png"))[..., ::-1], following.right.color)
+    flows = next((tmp_path / "sceneflow").rglob("optical_flow"))
+    for name, found, frame in (("future", forward, 2), ("past", backward, 3)):
+        file = flows / "stereotrace" / f"into_{name}" / "right" / f"OpticalFlowInto{name.title()}_{frame:04}_R.pfm"
+        read = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
+        assert np.array_equal(read[..., 2], found.right.flow[..., 0], equal_nan=True)
+        assert np.array_equal(read[..., 1], found.right.flow[..., 1], equal_nan=True)

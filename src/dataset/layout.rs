@@ -8,7 +8,7 @@ use std::{
 use glam::DVec3;
 
 use crate::{
-    Error, EyeTruth, GroundTruth, Projection, StereoPair, error::by_name, output::Batch, view::camera::Intrinsics,
+    Error, EyeTruth, Flow, GroundTruth, Projection, StereoPair, error::by_name, output::Batch, view::camera::Intrinsics,
 };
 
 /// Folder layout of the data set of the same name. Pairs are numbered from 0.
@@ -24,11 +24,17 @@ pub enum Layout {
     /// KITTI 2015 (Menze and Geiger 2015), left disparities: `training/image_2/000000_10.png`, `image_3`, `disp_occ_0`,
     /// `disp_noc_0`, and `calib_cam_to_cam/000000.txt`. Sky is not valid. There are no second frames, flow or
     /// `obj_map`.
+    ///
+    /// Pairs with motion also have their next pair, `image_2/000000_11.png` and `image_3`, the left view's flow,
+    /// `flow_occ` and `flow_noc`, and the disparity of its points at the next time, `disp_occ_1`. Sky is not valid.
     Kitti,
     /// Scene Flow's Monkaa and Driving (Mayer et al. 2016), with one sequence named `stereotrace`:
     /// `frames_finalpass/stereotrace/left/0000.png`, `right`, the same for `disparity`, `object_index` and
     /// `material_index` as PFM, and `camera_data/stereotrace/0000.txt`. Concatenate the camera files to get a
-    /// `camera_data.txt`. As in Scene Flow, id 0 means a miss. There is no flow and no clean pass.
+    /// `camera_data.txt`. As in Scene Flow, id 0 means a miss. There is no clean pass.
+    ///
+    /// Pairs with motion take two numbers each, for the pair and its next one. `optical_flow` and `disparity_change`
+    /// hold the motion of the first one's points in `into_future`, and of the next one's points in `into_past`.
     SceneFlow,
     /// Equirectangular pairs, with a folder per pair, `000000/`: `im0.png` and `im1.png`, which name their projection
     /// (XMP, `GPano`), `disp0.pfm` and `disp1.pfm` in columns, `distance0.pfm` and `distance1.pfm`, the masks of
@@ -60,6 +66,14 @@ impl Layout {
         }
     }
 
+    /// Returns whether the layout holds pairs with motion.
+    pub fn holds_motion(self) -> bool {
+        match self {
+            Self::Kitti | Self::SceneFlow => true,
+            Self::Middlebury | Self::Panorama => false,
+        }
+    }
+
     /// Returns whether the layout requires equirectangular pictures. The others require planar ones.
     pub fn is_equirectangular(self) -> bool {
         self == Self::Panorama
@@ -69,6 +83,40 @@ impl Layout {
     /// larger.
     pub fn disparity_limit(self) -> f32 {
         if self == Self::Kitti { 256.0 } else { f32::INFINITY }
+    }
+
+    /// Adds all files of a pair to a batch, with its next pair and the flow between both if there is motion.
+    ///
+    /// # Errors
+    /// The errors of [`Layout::add`]; [`Error::Options`] for motion in a layout that does not hold it
+    /// ([`Layout::holds_motion`]); and [`Error::Io`] as [`Batch::add_kitti_flow`].
+    pub fn add_moving(
+        self,
+        batch: &mut Batch,
+        folder: impl AsRef<Path>,
+        index: u32,
+        (pair, truth): (&StereoPair, &GroundTruth),
+        motion: Option<LayoutMotion<'_>>,
+    ) -> Result<(), Error> {
+        let Some(motion) = motion else { return self.add(batch, folder, index, pair, truth) };
+        let folder = folder.as_ref();
+        match self {
+            Self::Kitti => {
+                self.add(batch, folder, index, pair, truth)?;
+                kitti_motion(batch, &Root(folder), index, truth, &motion)
+            }
+            Self::SceneFlow => {
+                let [now, then] = [2 * index, 2 * index + 1];
+                self.add(batch, folder, now, pair, truth)?;
+                self.add(batch, folder, then, motion.pair, motion.truth)?;
+                scene_flow_motion(batch, &Root(folder), now, ("into_future", "IntoFuture"), motion.forward)?;
+                scene_flow_motion(batch, &Root(folder), then, ("into_past", "IntoPast"), motion.backward)
+            }
+            Self::Middlebury | Self::Panorama => {
+                let reason = format!("{self}: it holds no motion; use kitti or sceneflow");
+                Err(Error::Options { option: "layout", reason })
+            }
+        }
     }
 
     /// Adds all files of a pair to a batch, and creates their folders.
@@ -126,6 +174,19 @@ impl Layout {
 }
 
 by_name!(Layout, "layout");
+
+/// The next pair of a pair, and the motion between both ([`Layout::add_moving`]).
+#[derive(Clone, Copy, Debug)]
+pub struct LayoutMotion<'a> {
+    /// The next pair.
+    pub pair: &'a StereoPair,
+    /// Its ground truth.
+    pub truth: &'a GroundTruth,
+    /// Motion of the first pair's points to the next pair.
+    pub forward: &'a Flow,
+    /// Motion of the next pair's points to the first pair.
+    pub backward: &'a Flow,
+}
 
 /// Folder of a data set.
 struct Root<'a>(&'a Path);
@@ -210,6 +271,28 @@ fn kitti(batch: &mut Batch, root: &Root<'_>, index: u32, pair: &StereoPair, trut
     batch.add(root.file(&format!("training/calib_cam_to_cam/{index:06}.txt"))?, calibration.as_bytes())
 }
 
+fn kitti_motion(
+    batch: &mut Batch,
+    root: &Root<'_>,
+    index: u32,
+    truth: &GroundTruth,
+    motion: &LayoutMotion<'_>,
+) -> Result<(), Error> {
+    let file = |folder: &str, number: u32| root.file(&format!("training/{folder}/{index:06}_{number}.png"));
+    batch.add_png(file("image_2", 11)?, &motion.pair.left.picture())?;
+    batch.add_png(file("image_3", 11)?, &motion.pair.right.picture())?;
+    let (eye, flow) = (&truth.left, &motion.forward.left);
+    let both = |one: Vec<bool>, other: Vec<bool>| Vec::from_iter(one.into_iter().zip(other).map(|(a, b)| a && b));
+    batch.add_kitti_flow(file("flow_occ", 10)?, flow, &both(eye.surfaces(), flow.known()))?;
+    batch.add_kitti_flow(file("flow_noc", 10)?, flow, &both(eye.surfaces(), flow.visible()))?;
+    let then = eye.disparity.iter().zip(&flow.disparity_change).map(|(now, change)| now + change);
+    let then: Vec<f32> = then.collect();
+    // Points that have left the picture may have any disparity.
+    let fits = then.iter().map(|&disparity| disparity > 0.0 && disparity < Layout::Kitti.disparity_limit() - 0.5);
+    let valid = both(both(eye.surfaces(), flow.known()), fits.collect());
+    batch.add_kitti_disparity(file("disp_occ_1", 10)?, eye.width, eye.height, &then, &valid)
+}
+
 /// Returns KITTI's calibration text. Camera 2 is the left one, at the origin of the rectified frame, and camera 3 is
 /// the right one. Principal points are relative to the centre of the top left pixel.
 fn kitti_calibration(truth: &GroundTruth) -> Result<String, Error> {
@@ -251,6 +334,23 @@ fn scene_flow(
     }
     let path = root.file(&format!("camera_data/stereotrace/{index:04}.txt"))?;
     batch.add(path, camera_data(index, truth).as_bytes())
+}
+
+/// Adds the flow and the change of disparity of frame `index`.
+fn scene_flow_motion(
+    batch: &mut Batch,
+    root: &Root<'_>,
+    index: u32,
+    (folder, name): (&str, &str),
+    flow: &Flow,
+) -> Result<(), Error> {
+    for (eye, letter, flow) in [("left", 'L', &flow.left), ("right", 'R', &flow.right)] {
+        let file = format!("optical_flow/stereotrace/{folder}/{eye}/OpticalFlow{name}_{index:04}_{letter}.pfm");
+        batch.add_flow_pfm(root.file(&file)?, flow)?;
+        let file = format!("disparity_change/stereotrace/{folder}/{eye}/{index:04}.pfm");
+        batch.add_pfm(root.file(&file)?, flow.width, flow.height, &flow.disparity_change)?;
+    }
+    Ok(())
 }
 
 /// Returns an entry of `camera_data.txt`: the matrices from an eye's frame to the world, row by row. The frame has x

@@ -16,7 +16,7 @@ mod spec;
 #[cfg(feature = "dataset")]
 mod stage;
 
-pub use layout::Layout;
+pub use layout::{Layout, LayoutMotion};
 #[cfg(feature = "dataset")]
 pub use maker::{MadePair, NextPair, PairMaker, Record};
 pub use poses::{FreePoses, RandomPose};

@@ -55,7 +55,7 @@ impl Batch {
         check_count(path, flow.width, flow.height, is_valid.len())?;
         let pixels = flow.flow.iter().zip(&flow.class).zip(is_valid).enumerate();
         let samples = pixels.map(|(index, ((step, class), &valid))| {
-            let [u, v] = step.map(|value| (64.0 * value + 32_768.0).round());
+            let [u, v] = step.map(|value| (64.0 * f64::from(value) + 32_768.0).round());
             let fits = [u, v].iter().all(|value| (0.0..65_536.0).contains(value));
             match (valid, fits, class) {
                 (true, true, _) => Ok([u as u16, v as u16, 1]),

@@ -535,8 +535,9 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
             let name = format!("{}.{}", array.view(), array.output.name());
             return fault("outputs", format!("{name} needs a next pair: set motion"));
         }
-        (Some(_), _) if spec.format.layout().is_some() => {
-            return fault("motion", "layouts have no next pairs: use webdataset or parquet");
+        (Some(_), _) if spec.format.layout().is_some_and(|layout| !layout.holds_motion()) => {
+            let reason = format!("the layout {} holds no motion: use another format", spec.format.name());
+            return fault("motion", reason);
         }
         _ => {}
     }
@@ -589,8 +590,9 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
         let reason = "it is the parallax at infinity, which is 0 for parallel cameras; give interaxial";
         return fault("rig.interaxial_px", reason);
     }
-    if layout == Some(crate::dataset::Layout::SceneFlow) && spec.pairs > SCENE_FLOW_PAIRS {
-        return fault("pairs", format!("sceneflow numbers its files with four digits: at most {SCENE_FLOW_PAIRS}"));
+    let most = if spec.motion.is_some() { SCENE_FLOW_PAIRS / 2 } else { SCENE_FLOW_PAIRS };
+    if layout == Some(crate::dataset::Layout::SceneFlow) && spec.pairs > most {
+        return fault("pairs", format!("sceneflow numbers its files with four digits: at most {most}"));
     }
     Ok(())
 }
