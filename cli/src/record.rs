@@ -4,7 +4,7 @@ use std::{error::Error, fmt::Debug, fs};
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use stereotrace::Scene;
+use stereotrace::{Animation, Scene};
 
 use crate::{arguments::Subject, shown};
 
@@ -22,6 +22,13 @@ pub(crate) fn of(subject: &Subject, scene: &Scene, more: &impl Debug) -> Result<
         "scene_sha256": scene.sha256(),
         "settings": format!("{:?}", (subject, more)),
     }))
+}
+
+/// Returns a hash of an animation's content.
+pub(crate) fn of_animation(animation: &Animation) -> String {
+    let mut hash = Sha256::new();
+    animation.content(|bytes| hash.update(bytes));
+    hex(hash.finalize())
 }
 
 fn hex(digest: impl IntoIterator<Item = u8>) -> String {

@@ -253,8 +253,8 @@ impl StereoPair {
 
 #[pymethods]
 impl StereoPair {
-    /// In a data set with motion: a tuple of the item's next ``StereoPair``, the ``Flow`` of this pair's points to the
-    /// next pair, and the ``Flow`` of the next pair's points to this pair. Else ``None``.
+    /// Motion of an item of a data set, or ``None``. It is a tuple of the item's next ``StereoPair`` and two ``Flow``.
+    /// The first flow leads from this pair's points to the next pair, the second one back.
     #[getter]
     fn motion(&self, py: Python<'_>) -> Option<MotionTuple> {
         self.motion.as_ref().map(|motion| motion.tuple(py))

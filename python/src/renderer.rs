@@ -437,12 +437,12 @@ impl Renderer {
     /// Computes where the points of a pair are at another time, and returns a ``Flow``.
     ///
     /// ``pair`` is a picture of ``scene``, with ``"primitive"`` among its outputs. ``then`` is the same scene at the
-    /// other time: a copy whose objects have moved (``Scene.copy``, ``Scene.pose``, ``Scene.transform_object``,
-    /// ``Scene.set_mesh``), or ``scene`` itself if only the camera moves. ``camera`` is the camera at the other time;
-    /// by default it stays. A point keeps its place on its primitive. All values are computed in double precision.
+    /// other time: a copy whose objects have moved, or ``scene`` itself if only the camera moves. ``Scene.pose``,
+    /// ``Scene.transform_object`` and ``Scene.set_mesh`` move objects. ``camera`` is the camera at the other time; by
+    /// default it stays. A point keeps its place on its primitive. All values are computed in double precision.
     ///
-    /// Raises ``ValueError`` if the scenes differ in more than positions, for toed-in eyes, and for a pair without ids
-    /// or by a method that copies pixels. Else raises as ``render`` does.
+    /// Raises ``ValueError`` if the scenes differ in more than positions, and for toed-in eyes. Also raises it for a
+    /// pair without ids, or by a method that copies pixels. Else raises as ``render`` does.
     #[pyo3(signature = (pair, scene, then, camera = None))]
     fn flow(
         &self,

@@ -256,16 +256,15 @@ impl Scene {
     ///
     /// ``seconds`` counts from the animation's begin. Before its first key frame and after its last one, a property
     /// keeps that key frame's value. ``animation`` is a name, or a place in ``animations``; by default it is the first.
-    /// Lights that were replaced do not move. Raises ``ValueError`` for an unknown animation, for a time that is not
-    /// finite, and if an object of the animation was changed to one of another size.
+    /// Lights with another shape or intensity than the file's do not move. Raises ``ValueError`` for an unknown
+    /// animation and for a time that is not finite. Also raises it if an object has another number of triangles.
     #[pyo3(signature = (seconds, animation = None))]
     fn pose(&mut self, seconds: f64, animation: Option<AnimationName>) -> PyResult<()> {
         let animation = self.animation(animation.as_ref())?.clone();
         animation.pose(self.changed(), seconds).map_err(raised)?;
-        for (place, (_, camera)) in self.cameras.iter_mut().enumerate() {
-            if let Some(posed) = animation.camera(place, seconds).map_err(raised)? {
-                *camera = posed;
-            }
+        let cameras = animation.cameras(seconds).map_err(raised)?;
+        for ((_, camera), posed) in self.cameras.iter_mut().zip(cameras) {
+            *camera = posed;
         }
         Ok(())
     }

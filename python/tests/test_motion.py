@@ -46,7 +46,8 @@ def test_flow_of_a_static_scene_follows_from_depth_and_pose(renderer, hall):
         assert found.flow.shape == (64, 96, 2) and found.flow.dtype == np.float32
         for row, column in ((5, 7), (31, 50), (60, 90), (40, 10)):
             place = moved.project(points[row, column], eye)
-            assert found.flow[row, column] == pytest.approx([place[0] - x[row, column], place[1] - y[row, column]], abs=2e-3)
+            expected = [place[0] - x[row, column], place[1] - y[row, column]]
+            assert found.flow[row, column] == pytest.approx(expected, abs=2e-3)
         assert not found.displacement.any() and found.visibility.max() <= 2
         assert (found.visibility == 0).mean() > 0.8
 
@@ -105,7 +106,8 @@ def test_animations_pose_objects_and_cameras(tmp_path):
         copy.pose(9.0, animation)
         assert np.allclose(copy.triangles, rest + np.float32((1, 0, 0)))
     assert np.array_equal(scene.triangles, rest) and scene.camera("eye").eye == (0, 0, 4)
-    for animation, text in ((3, "no animation 3"), ("walk", "no animation 'walk' in this scene; its animations are: slide")):
+    unknown = "no animation 'walk' in this scene; its animations are: slide"
+    for animation, text in ((3, "no animation 3"), ("walk", unknown)):
         with pytest.raises(ValueError, match=text):
             scene.pose(0.0, animation)
     with pytest.raises(ValueError, match="its time is NaN"):
@@ -184,7 +186,8 @@ def test_kitti_and_scene_flow_hold_motion(tmp_path):
     for layout in ("kitti", "sceneflow"):
         report = dataset.make(moving(tmp_path, format=layout, **changes), str(tmp_path / layout))
         assert not report.errors
-    pair, _ = dataset.worker.Worker(moving(tmp_path, **{**changes, "outputs": ["occlusion", "disparity", "flow"]})).pair(1)
+    spec = moving(tmp_path, **{**changes, "outputs": ["occlusion", "disparity", "flow"]})
+    pair, _ = dataset.worker.Worker(spec).pair(1)
     following, forward, backward = pair.motion
     surface = pair.left.occlusion < 3
     surface &= np.isfinite(pair.left.disparity) & (pair.left.disparity > 0)

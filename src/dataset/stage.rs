@@ -145,13 +145,13 @@ impl Stage {
         }
         // Lights of another item would not move.
         self.scene.lights.clone_from(&self.lights);
+        (self.posed, self.has_changed) = (None, true); // also after an error
         animation.pose(&mut self.scene, time)?;
         self.posed = Some(time);
-        for (place, (_, camera)) in self.cameras.iter_mut().enumerate() {
-            *camera = animation.camera(place, time)?.unwrap_or(*camera);
+        for ((_, camera), moved) in self.cameras.iter_mut().zip(animation.cameras(time)?) {
+            *camera = moved;
         }
         self.lights.clone_from(&self.scene.lights);
-        self.has_changed = true;
         Ok(())
     }
 
@@ -195,7 +195,10 @@ impl Stage {
             return Ok(digest.clone());
         }
         let camera = self.camera(spec, index)?.to_json()?;
-        let digest = Sha256::digest(format!("{} {camera}", self.scene.sha256()));
+        let mut hash = Sha256::new();
+        hash.update(format!("{} {camera}", self.scene.sha256()));
+        self.animations.iter().for_each(|animation| animation.content(|bytes| hash.update(bytes)));
+        let digest = hash.finalize();
         Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
     }
 

@@ -21,6 +21,7 @@ use std::{path::Path, sync::Arc};
 use glam::DAffine3;
 
 use self::{
+    animations::Numbers,
     cameras::AtNode,
     document::Document,
     materials::Surfaces,
@@ -77,8 +78,9 @@ pub(crate) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
         lights.extend(light.map(|light| ((index, light.light.value()), place)));
         Ok(())
     })?;
-    let clips = animations::read(&document, &places, &tree, &mut warnings)?;
-    tree.skins = animations::skins(&document, &places)?;
+    let mut numbers = Numbers::new(&document);
+    let clips = animations::read(&mut numbers, &places, &tree, &mut warnings)?;
+    tree.skins = animations::skins(&mut numbers, &places)?;
     // Materials come first, since meshes are checked against them.
     surfaces.move_to(&mut scene);
     let objects = Objects { document: &document, meshes: &meshes, places: &places, clips: &clips };
@@ -95,7 +97,10 @@ pub(crate) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     let lit = lights::read(&document, &lights, &mut scene, &mut warnings)?;
     let cameras = cameras::read(&document, &cameras, scene.bounds(), &mut warnings)?;
     let node = |index: usize| places[index].unwrap_or_default();
-    tree.lights = lit.into_iter().map(node).zip(scene.lights.iter().copied()).collect();
+    let moved = objects.moved(&tree);
+    let lights = lit.into_iter().map(node).zip(scene.lights.iter().copied()).enumerate();
+    let lights = lights.filter(|(_, (node, _))| moved[*node]);
+    tree.lights = lights.map(|(index, (node, light))| (index, node, light)).collect();
     tree.cameras = cameras.iter().map(|one| (node(one.node), one.camera)).collect();
     let cameras = cameras.into_iter().map(|AtNode { name, camera, .. }| (name, camera)).collect();
     let tree = Arc::new(tree);

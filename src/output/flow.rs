@@ -72,8 +72,8 @@ impl Batch {
         self.add_rgb16(path, [flow.width, flow.height], &samples)
     }
 
-    /// Adds the classes of flow as an 8-bit grey PNG file: 0 where the eye sees the point at the other time, 255 where
-    /// it is hidden, 128 outside the picture, 64 behind the eye.
+    /// Adds the classes of flow as an 8-bit grey PNG file. 0: the eye sees the point at the other time. 255: the point
+    /// is hidden. 128: it is outside the picture. 64: it is behind the eye.
     ///
     /// # Errors
     /// [`Error::Io`] as [`Batch::add`].
@@ -94,7 +94,7 @@ impl Batch {
 const HUES: [usize; 6] = [15, 6, 4, 11, 13, 6];
 
 impl EyeFlow {
-    /// Returns the flow as a picture, by the colour wheel of Baker et al. 2007 (`flow_to_image` of torchvision): the
+    /// Returns the flow as a picture, by the colour wheel of Baker et al. 2007 (`flow_to_image` of torchvision). The
     /// hue shows the direction, and the saturation the length, up to `longest` pixels. `None` takes the longest flow of
     /// the points that the eye sees at both times. Unknown flow is black. Longer flow is darker than the wheel.
     pub fn picture(&self, longest: Option<f32>) -> Picture {

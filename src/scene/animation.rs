@@ -1,6 +1,6 @@
 //! Animations: nodes whose transforms and morph weights depend on the time, and the objects that they move.
 
-use std::{borrow::Cow, sync::Arc};
+use std::{borrow::Cow, collections::HashSet, fmt, sync::Arc};
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 
@@ -43,8 +43,8 @@ pub(crate) struct NodeTree {
     pub(crate) actors: Vec<Actor>,
     /// Node of each camera of the file, and the camera.
     pub(crate) cameras: Vec<(usize, StereoCamera)>,
-    /// Node of each light of the scene, and the light.
-    pub(crate) lights: Vec<(usize, Light)>,
+    /// Lights that some animation moves: place in the scene's list, node, and the light at rest.
+    pub(crate) lights: Vec<(usize, usize, Light)>,
 }
 
 /// A node. Nodes are referred to by their place in the list of a [`NodeTree`].
@@ -94,8 +94,10 @@ pub(crate) struct Actor {
 pub(crate) struct Body {
     pub(crate) mesh: Mesh,
     pub(crate) targets: Vec<MorphTarget>,
+    /// Number of displacements of all morph targets.
+    pub(crate) displacements: u64,
     /// Joints and weights of each vertex: `influences[first[v]..first[v + 1]]`. Empty without a skin.
-    pub(crate) first_influences: Vec<u32>,
+    pub(crate) first_influences: Vec<usize>,
     pub(crate) influences: Vec<(u32, f32)>,
 }
 
@@ -162,9 +164,9 @@ impl Animation {
     /// Moves the scene's objects and lights to their places at a time in seconds. Before its first key frame and after
     /// its last one, a property keeps that key frame's value. Properties without key frames have the file's values.
     ///
-    /// The scene must be the file's scene. Lights that were replaced do not move. Objects keep their primitives, so
-    /// [`Update::Refit`](crate::Update::Refit) can follow, and [`Renderer::flow`](crate::Renderer::flow) has the points'
-    /// motion.
+    /// The scene must be the file's scene. Lights with another shape or intensity than the file's do not move. Objects
+    /// keep their primitives, so [`Renderer::flow`](crate::Renderer::flow) follows their points.
+    /// [`Update::Refit`](crate::Update::Refit) can follow too, unless a triangle had no area before.
     ///
     /// # Errors
     /// [`Error::Scene`] if the time is not finite, if the scene lacks an object of the animation, or if a coordinate is
@@ -187,27 +189,51 @@ impl Animation {
             }
             scene.set_mesh(actor.object, &mesh.name(actor.name.clone()))?;
         }
-        for (index, (node, rest)) in tree.lights.iter().enumerate() {
-            if let Some(light) = scene.lights.get_mut(index) {
+        for (index, node, rest) in &tree.lights {
+            if let Some(light) = scene.lights.get_mut(*index) {
                 light.follow(rest, places[*node]);
             }
         }
         Ok(())
     }
 
-    /// Returns a camera of the file at a time in seconds, by its place in
-    /// [`SceneFile::cameras`](crate::SceneFile::cameras). It keeps its lens, screen and interaxial. Returns `None` if
-    /// there is no such camera.
+    /// Returns the file's cameras at a time in seconds, in the order of
+    /// [`SceneFile::cameras`](crate::SceneFile::cameras). They keep their lenses, screens and interaxials.
     ///
     /// # Errors
     /// [`Error::Scene`] if the time is not finite.
-    pub fn camera(&self, index: usize, seconds: f64) -> Result<Option<StereoCamera>, Error> {
+    pub fn cameras(&self, seconds: f64) -> Result<Vec<StereoCamera>, Error> {
         let places = self.places_at(seconds)?;
-        Ok(self
-            .nodes
-            .cameras
-            .get(index)
-            .map(|&(node, rest)| rest.at_node(places[node], rest.eye.distance(rest.target_position()))))
+        let moved = |&(node, rest): &(usize, StereoCamera)| {
+            rest.at_node(places[node], rest.eye.distance(rest.target_position()))
+        };
+        Ok(self.nodes.cameras.iter().map(moved).collect())
+    }
+
+    /// Passes everything that poses depend on to `sink`, as bytes in pieces, like [`Scene::content`].
+    pub fn content(&self, mut sink: impl FnMut(&[u8])) {
+        let NodeTree { nodes, skins, actors, cameras, lights } = &*self.nodes;
+        // Debug formatting of numbers is lossless.
+        let mut text = |value: &dyn fmt::Debug| {
+            let text = format!("{value:?}");
+            sink(&text.len().to_le_bytes());
+            sink(text.as_bytes());
+        };
+        text(&(&self.name, nodes, skins, cameras, lights));
+        for Track { node, property, interpolation, times, values } in &*self.tracks {
+            text(&(node, property, interpolation, times.len(), values.len()));
+        }
+        let mut seen = HashSet::new();
+        for Actor { object, node, skin, body, name, mirrored } in actors {
+            text(&(object, node, skin, name, mirrored));
+            if seen.insert(Arc::as_ptr(body)) {
+                text(&(&body.mesh.positions, &body.targets, &body.first_influences, &body.influences));
+            }
+        }
+        for track in &*self.tracks {
+            sink(bytemuck::cast_slice(&track.times));
+            sink(bytemuck::cast_slice(&track.values));
+        }
     }
 
     /// Returns each node's transform to the world.
@@ -332,19 +358,10 @@ impl Body {
         }
     }
 
-    /// Returns the number of displacements of all morph targets.
-    pub(crate) fn displacement_count(&self) -> u64 {
-        let all = |target: &MorphTarget| {
-            [&target.positions, &target.normals, &target.tangents]
-                .map(|list| list.iter().map(|changes| changes.by_vertex.len() as u64).sum::<u64>())
-        };
-        self.targets.iter().flat_map(all).sum()
-    }
-
     /// Returns the transform of a vertex, blended from those of its joints, or `None` for a vertex without any.
     fn place_of(&self, vertex: usize, joints: &[DAffine3]) -> Option<DAffine3> {
         let [begin, end] = [vertex, vertex + 1].map(|place| self.first_influences.get(place).copied());
-        let range = begin? as usize..end? as usize;
+        let range = begin?..end?;
         if range.is_empty() {
             return None;
         }

@@ -95,8 +95,10 @@ impl Scene {
             other => return Err(other.refuses(object)),
         };
         let triangles = self.checked_triangles(mesh)?;
-        for later in &mut self.mesh_objects[object as usize + 1..] {
-            later.first_primitive = (later.first_primitive as usize - range.len() + triangles.len()) as u32;
+        if triangles.len() != range.len() {
+            for later in &mut self.mesh_objects[object as usize + 1..] {
+                later.first_primitive = (later.first_primitive as usize - range.len() + triangles.len()) as u32;
+            }
         }
         let tangents = self.tangents_of(mesh, &triangles);
         let place = &mut self.mesh_objects[object as usize];

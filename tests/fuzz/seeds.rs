@@ -116,7 +116,10 @@ fn moving() -> Builder {
     let places = all.floats(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let turns = all.floats(&[[0.0, 0.0, 0.0, 1.0]; 9]);
     let amounts = all.floats(&[[0.0], [1.0], [0.5], [0.5], [1.0], [0.0]]);
-    let target = |node: usize, path: &str, sampler: usize| json!({ "sampler": sampler, "target": { "node": node, "path": path } });
+    let target = |node: usize, path: &str, sampler: usize| {
+        let target = json!({ "node": node, "path": path });
+        json!({ "sampler": sampler, "target": target })
+    };
     all.push(
         "animations",
         json!({

@@ -46,7 +46,7 @@ const MOST_KIBIBYTES: u64 = 6 << 20;
 /// A rule that makes files of about `Size::bytes` bytes, with a picture of `Size::pixels` pixels.
 type Make = fn(&mut Random, &Size) -> Files;
 
-const STRUCTURES: [(&str, Make); 37] = [
+const STRUCTURES: [(&str, Make); 40] = [
     ("obj: objects", obj_objects),
     ("obj: one long name, many sections", obj_long_name),
     ("obj: materials of one picture", obj_materials),
@@ -78,6 +78,9 @@ const STRUCTURES: [(&str, Make); 37] = [
     ("gltf: nodes of one mesh with many morph targets", gltf_weights),
     ("gltf: nodes of one skin with many joints", gltf_skins),
     ("gltf: channels of one sampler", gltf_channels),
+    ("gltf: sets of joints of one accessor", gltf_joint_sets),
+    ("gltf: morph targets of overlapping accessors", gltf_overlapping_targets),
+    ("gltf: samplers of overlapping accessors", gltf_overlapping_samplers),
     ("ply: names of properties", ply_properties),
     ("ply: names of elements", ply_elements),
     ("ply: small faces", ply_faces),
@@ -761,6 +764,60 @@ fn gltf_channels(random: &mut Random, size: &Size) -> Files {
     });
     let channels = Value::Array(channels.collect());
     builder.push("animations", json!({ "channels": channels, "samplers": [{ "input": times, "output": places }] }));
+    file_of(random, &builder)
+}
+
+/// Adds an accessor of the first buffer view's bytes.
+fn bytes_accessor(builder: &mut Builder, kind: &str, count: usize) -> usize {
+    builder.push("accessors", json!({ "bufferView": 0, "componentType": 5121, "type": kind, "count": count }))
+}
+
+/// Makes one primitive that names an accessor of joints and one of weights in many sets.
+fn gltf_joint_sets(random: &mut Random, size: &Size) -> Files {
+    let mut builder = Builder::new();
+    let vertices = size.bytes / 36 * 3;
+    builder.view(&vec![1; 4 * vertices]);
+    let [positions, four] = ["VEC3", "VEC4"].map(|kind| bytes_accessor(&mut builder, kind, vertices));
+    let mut attributes = json!({ "POSITION": positions });
+    let most = if random.unit() < 0.5 { 8 } else { usize::MAX };
+    for set in 0..count(size, builder.bytes.len(), 32).min(most) {
+        attributes[format!("JOINTS_{set}")] = json!(four);
+        attributes[format!("WEIGHTS_{set}")] = json!(four);
+    }
+    let mesh = builder.push("meshes", json!({ "primitives": [{ "attributes": attributes }] }));
+    builder.node(json!({ "mesh": mesh }));
+    file_of(random, &builder)
+}
+
+fn gltf_overlapping_targets(random: &mut Random, size: &Size) -> Files {
+    let mut builder = Builder::new();
+    let vertices = size.bytes / 24 * 3;
+    builder.view(&vec![1; 3 * vertices]);
+    let positions = bytes_accessor(&mut builder, "VEC3", vertices);
+    let targets = 0..count(size, builder.bytes.len(), 100);
+    let targets = targets.map(|_| json!({ "POSITION": bytes_accessor(&mut builder, "VEC3", vertices) }));
+    let targets = Value::Array(targets.collect());
+    let primitive = json!({ "attributes": { "POSITION": positions }, "targets": targets });
+    let mesh = builder.push("meshes", json!({ "primitives": [primitive] }));
+    builder.node(json!({ "mesh": mesh }));
+    file_of(random, &builder)
+}
+
+fn gltf_overlapping_samplers(random: &mut Random, size: &Size) -> Files {
+    let mut builder = Builder::new();
+    let keys = size.bytes / 12;
+    builder.view(&vec![0; 4 * keys]);
+    let positions = builder.floats(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let mesh = builder.push("meshes", json!({ "primitives": [{ "attributes": { "POSITION": positions } }] }));
+    let times = bytes_accessor(&mut builder, "SCALAR", keys);
+    let items = (0..count(size, builder.bytes.len(), 180)).map(|sampler| {
+        let output = bytes_accessor(&mut builder, "VEC4", keys);
+        let node = builder.node(json!({ "mesh": mesh }));
+        let channel = json!({ "sampler": sampler, "target": { "node": node, "path": "rotation" } });
+        (json!({ "input": times, "output": output }), channel)
+    });
+    let (samplers, channels): (Vec<Value>, Vec<Value>) = items.unzip();
+    builder.push("animations", json!({ "channels": channels, "samplers": samplers }));
     file_of(random, &builder)
 }
 

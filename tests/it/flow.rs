@@ -149,8 +149,8 @@ impl Model for Screen {
     }
 }
 
-/// Two eyes on a viewing circle, without merged poles: the eye of a ray sees a point at distance D along the ground
-/// where the azimuth differs by `asin(r / D)`.
+/// Two eyes on a viewing circle of radius r, without merged poles. An eye sees a point at distance D along the ground
+/// at an azimuth that differs by `asin(r / D)`.
 struct Round(Pose, f64);
 
 impl Model for Round {

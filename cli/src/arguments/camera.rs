@@ -107,6 +107,11 @@ impl CameraArguments {
         }
     }
 
+    /// Returns whether an option sets the up direction: --up, or a projection whose vertical axis is the world's.
+    pub(super) fn sets_up(&self) -> bool {
+        self.up.is_some() || self.span().is_some()
+    }
+
     /// Returns the place of the scene file's camera that makes the pictures, or `None` if an option places the camera.
     pub(super) fn place_in_scene_file(&self, cameras: &[(Arc<str>, StereoCamera)]) -> Option<usize> {
         if self.cameras.is_some() || self.eye.is_some() || self.target.is_some() {

@@ -85,16 +85,17 @@ pub(crate) struct Playing {
     pub(crate) begin: f64,
     /// Camera of the file that makes the pictures, by its place.
     camera: Option<usize>,
+    /// Whether the camera's up direction stays, since an option sets it.
+    keeps_up: bool,
 }
 
 impl Playing {
     /// Moves a camera to its place at a time, if it is a camera of the file.
     pub(crate) fn camera(&self, camera: StereoCamera, seconds: f64) -> Result<StereoCamera, stereotrace::Error> {
         let Some(place) = self.camera else { return Ok(camera) };
-        Ok(match self.animation.camera(place, seconds)? {
-            None => camera,
-            Some(moved) => camera.eye(moved.eye_position()).target(moved.target_position()).up(moved.up_direction()),
-        })
+        let Some(moved) = self.animation.cameras(seconds)?.get(place).copied() else { return Ok(camera) };
+        let camera = camera.eye(moved.eye_position()).target(moved.target_position());
+        Ok(if self.keeps_up { camera } else { camera.up(moved.up_direction()) })
     }
 }
 
@@ -199,14 +200,15 @@ impl Subject {
         let animation = self.time.animation(&animations)?;
         if let (Some(animation), Some(seconds)) = (&animation, self.time.seconds()) {
             animation.pose(&mut scene, seconds)?;
-            for (place, (_, camera)) in cameras.iter_mut().enumerate() {
-                *camera = animation.camera(place, seconds)?.unwrap_or(*camera);
+            for ((_, camera), moved) in cameras.iter_mut().zip(animation.cameras(seconds)?) {
+                *camera = moved;
             }
         }
         let playing = animation.map(|animation| Playing {
             animation,
             begin: self.time.seconds().unwrap_or_default(),
             camera: self.camera.place_in_scene_file(&cameras),
+            keeps_up: self.camera.sets_up(),
         });
         let camera = self.stereo_camera(&scene, &cameras)?;
         let by_paths = purpose != Purpose::Data && self.is_flattered() && self.suits_paths(&scene);

@@ -59,8 +59,8 @@ pub(crate) struct Arguments {
     /// number of pictures
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = above_zero, allow_hyphen_values = true)]
     fps: f32,
-    /// Write ground truth of each pair into a folder truth_0000: that of `render`, and optical flow, change of
-    /// disparity and scene flow to the next picture and to the one before. --out must be a folder
+    /// Write ground truth of each pair into a folder, truth_0000 for picture 0. It has the files of `render`, and the
+    /// optical flow, change of disparity and scene flow to both neighbouring pictures. --out must be a folder
     #[arg(long)]
     ground_truth: bool,
     #[command(flatten)]
@@ -88,10 +88,16 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let pending = match names.folder() {
         Some(folder) => {
             let settings = (&eyes, &film.motion, film.begin.to_bits(), film.fps.to_bits(), arguments.ground_truth);
-            let record = record::of(&arguments.subject, &stage.scene, &settings)?;
+            let mut record = record::of(&arguments.subject, &stage.scene, &settings)?;
+            if let Some(playing) = &stage.playing {
+                record["animation_sha256"] = record::of_animation(&playing.animation).into();
+            }
             let there = |frame: &u32| names.files(*frame, &eyes).iter().any(|file| file.exists());
             keep(&record, folder, arguments.overwrite, || {
-                all.clone().filter(there).flat_map(|frame| names.files(frame, &eyes)).collect()
+                let of_truth = |frame: u32| fs::read_dir(truth_folder(folder, frame)).into_iter().flatten().flatten();
+                let files =
+                    |frame: u32| names.files(frame, &eyes).into_iter().chain(of_truth(frame).map(|entry| entry.path()));
+                all.clone().filter(there).flat_map(files).collect()
             })?;
             let has_truth = |frame: u32| truth_folder(folder, frame).join(TRUTH_IS_THERE).exists();
             let is_there = |frame: u32| names.are_there(frame, &eyes) && (!arguments.ground_truth || has_truth(frame));
@@ -175,6 +181,8 @@ fn picture(
         stage.renderer.forget();
         if let Lighting::Paths { bounces, samples } = options.lighting
             && options.has_history()
+            && stage.playing.is_none()
+        // a moving scene recalls no light
         {
             let samples = samples.saturating_mul(FIRST_PATHS).min(MAX_PATHS);
             options = options.lighting(Lighting::Paths { bounces, samples });
@@ -208,7 +216,7 @@ impl Film {
     }
 
     fn frames(&self) -> u32 {
-        let by_time = || ((self.duration.max(0.0) * f64::from(self.fps)).round() as u32 + 1).min(MOST);
+        let by_time = || (self.duration.max(0.0) * f64::from(self.fps)).round().min(f64::from(MOST - 1)) as u32 + 1;
         self.motion.as_ref().map_or_else(by_time, Motion::frames)
     }
 
@@ -340,7 +348,7 @@ impl Names {
         self.files(frame, eyes).iter().all(|file| file.exists())
     }
 
-    /// Writes all files of a pair and those of the batch, or none. Returns width and height of the picture of both eyes.
+    /// Writes all files of a pair and those of the batch, or none. Returns the size of the picture of both eyes.
     fn write(
         &self,
         mut batch: Batch,

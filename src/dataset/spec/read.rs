@@ -543,7 +543,7 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
     }
     let truths = channels().find(|channel| channel.maker() == Maker::GroundTruth).map(|channel| channel.name());
     let motions = spec.arrays.iter().map(|array| array.output).find(|output| output.channel().is_none());
-    if let Some(truth) = truths.or(motions.map(Output::name))
+    if let Some(truth) = truths.or(motions.map(Output::name)).or(spec.motion.as_ref().map(|_| "motion"))
         && !is_bracket
         && method != Method::Naive
     {

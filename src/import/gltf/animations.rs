@@ -27,13 +27,13 @@ pub(super) type Clip = (Arc<str>, Vec<Track>);
 /// Reads all animations. `places` has each node's place in the tree, or `None` for a node outside the scene, whose
 /// tracks are left out. A node's rest weights give its number of morph targets.
 pub(super) fn read(
-    document: &Document,
+    numbers: &mut Numbers,
     places: &[Option<usize>],
     tree: &NodeTree,
     warnings: &mut Warnings,
 ) -> Result<Vec<Clip>, Error> {
+    let document = numbers.document;
     let mut clips = Vec::new();
-    let mut numbers = Numbers { document, read: HashMap::new() };
     for (index, animation) in document.root.animations.iter().enumerate() {
         let mut tracks: Vec<Track> = Vec::new();
         let mut targets_seen = HashSet::new();
@@ -49,7 +49,7 @@ pub(super) fn read(
             let Some(node) = places[node] else { continue };
             let sampler_name = format!("animations[{index}].samplers[{}]", channel.sampler.value());
             let targets = tree.nodes[node].weights.len();
-            if let Some(track) = track(&mut numbers, (node, target, targets), sampler, &sampler_name)? {
+            if let Some(track) = track(numbers, (node, target, targets), sampler, &sampler_name)? {
                 if !targets_seen.insert(track.target()) {
                     return Err(document.fault(format!("{name}: another channel has the same node and path")));
                 }
@@ -117,12 +117,16 @@ fn times(numbers: &mut Numbers, input: Index<Accessor>, name: &str) -> Result<Ar
 }
 
 /// Numbers of accessors, each read once, since many samplers may share one.
-struct Numbers<'a, 'b> {
+pub(super) struct Numbers<'a, 'b> {
     document: &'a Document<'b>,
     read: HashMap<(usize, usize), Arc<[f64]>>,
 }
 
-impl Numbers<'_, '_> {
+impl<'a, 'b> Numbers<'a, 'b> {
+    pub(super) fn new(document: &'a Document<'b>) -> Self {
+        Self { document, read: HashMap::new() }
+    }
+
     /// Returns the numbers of an accessor with elements of N numbers.
     fn of<const N: usize>(&mut self, accessor: Index<Accessor>, kind: Type, by: &str) -> Result<Arc<[f64]>, Error> {
         let key = (accessor.value(), N);
@@ -130,6 +134,7 @@ impl Numbers<'_, '_> {
             return Ok(values.clone());
         }
         let values = self.document.floats::<N>(accessor, &[kind], 0.0, by)?;
+        self.document.count_decoded(N * values.len(), by)?;
         let values: Arc<[f64]> = values.as_flattened().iter().map(|&value| value.into()).collect();
         self.read.insert(key, values.clone());
         Ok(values)
@@ -137,8 +142,9 @@ impl Numbers<'_, '_> {
 }
 
 /// Reads all skins. A skin with a joint outside the scene is returned without joints.
-pub(super) fn skins(document: &Document, places: &[Option<usize>]) -> Result<Vec<Skin>, Error> {
-    let read = |(index, skin): (usize, &gltf_json::Skin)| {
+pub(super) fn skins(numbers: &mut Numbers, places: &[Option<usize>]) -> Result<Vec<Skin>, Error> {
+    let document = numbers.document;
+    let mut read = |(index, skin): (usize, &gltf_json::Skin)| {
         let name = format!("skins[{index}]");
         if skin.joints.is_empty() {
             return Err(document.fault(format!("{name}: it has no joints")));
@@ -155,16 +161,17 @@ pub(super) fn skins(document: &Document, places: &[Option<usize>]) -> Result<Vec
             None => vec![DAffine3::IDENTITY; joints.len()],
             Some(accessor) => {
                 let by = format!("{name}, inverseBindMatrices");
-                let matrices = document.floats::<16>(accessor, &[Type::Mat4], 0.0, &by)?;
+                let matrices = numbers.of::<16>(accessor, Type::Mat4, &by)?;
+                let (matrices, _) = matrices.as_chunks::<16>();
                 if matrices.len() < joints.len() {
                     let (found, joints) = (matrices.len(), counted(joints.len(), "joint", "joints"));
                     return Err(document.fault(format!("{by}: it has length {found} for {joints}")));
                 }
-                let matrix = |matrix: &[f32; 16]| DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from)));
+                let matrix = |matrix: &[f64; 16]| DAffine3::from_mat4(DMat4::from_cols_array(matrix));
                 matrices.iter().take(joints.len()).map(matrix).collect()
             }
         };
         Ok(Skin { joints, inverse_binds })
     };
-    document.root.skins.iter().enumerate().map(read).collect()
+    document.root.skins.iter().enumerate().map(&mut read).collect()
 }

@@ -49,6 +49,10 @@ const BASE64: engine::GeneralPurpose = engine::GeneralPurpose::new(
 /// Prefix of a URI that contains its data.
 const DATA: &str = "data:";
 
+/// Maximum of decoded numbers of key frames, skins and morph targets per byte of the files. Files that do not share
+/// bytes between accessors have at most one.
+const NUMBERS_PER_BYTE: u64 = 4;
+
 /// Minimum size in bytes that a JSON object counts. Two bytes of JSON may become a material of some 280 bytes.
 const OBJECT_BYTES: u64 = 32;
 
@@ -75,6 +79,8 @@ pub(super) struct Document<'a> {
     bytes: u64,
     /// Number of bytes that further files may have.
     bytes_left: Cell<u64>,
+    /// Numbers of key frames, skins and morph targets that were decoded so far.
+    decoded: Cell<u64>,
 }
 
 impl<'a> Document<'a> {
@@ -112,6 +118,7 @@ impl<'a> Document<'a> {
             files_read,
             bytes: count,
             bytes_left,
+            decoded: Cell::new(0),
         };
         match document.root.asset.version.split('.').next() {
             Some("2") => Ok(document),
@@ -205,6 +212,18 @@ impl<'a> Document<'a> {
     /// Returns the size of all files read so far.
     pub(super) fn bytes_read(&self) -> u64 {
         self.bytes + (self.limits.file_bytes - self.bytes_left.get())
+    }
+
+    /// Counts decoded numbers of key frames, skins and morph targets. Many accessors may overlap in one buffer, so the
+    /// sum has a limit of its own.
+    pub(super) fn count_decoded(&self, numbers: usize, by: &str) -> Result<(), Error> {
+        self.decoded.set(self.decoded.get() + numbers as u64);
+        let (sum, bytes) = (self.decoded.get(), self.bytes_read());
+        if sum <= NUMBERS_PER_BYTE * bytes {
+            return Ok(());
+        }
+        let reason = "numbers of key frames, skins and morph targets; the maximum is";
+        Err(self.fault(format!("{by}: {sum} {reason} {NUMBERS_PER_BYTE} per byte of the files, which have {bytes}")))
     }
 
     /// Returns the bytes of a URI, from its data or a file. All files together may be as large as the limit on the file

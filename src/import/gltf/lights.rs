@@ -22,9 +22,9 @@ const BLENDER_PHOTOMETRIC: f64 = 20.0;
 /// Lumens per watt in files by Blender.
 const LUMENS: f64 = 683.0;
 
-/// Gives the scene its lights, and returns the node of each. Together, lights and emission are scaled so that the lights add at most 1 to a white
-/// surface at the centre of the scene's box, since photometric units rely on a camera's exposure. For that rule, lights
-/// are at least half the box's longest side away.
+/// Gives the scene its lights, and returns the node of each. Together, lights and emission are scaled so that the
+/// lights add at most 1 to a white surface at the centre of the scene's box. Photometric units rely on a camera's
+/// exposure. For that rule, lights are at least half the box's longest side away.
 pub(super) fn read(
     document: &Document,
     places: &[Placed<(usize, usize)>],

@@ -38,6 +38,7 @@ pub(super) struct Meshes<'a> {
     triangles: u64,
     vertices: u64,
     displacements: u64,
+    influences: u64,
     /// Weights of the morph targets of each mesh at rest.
     rest_weights: HashMap<usize, Arc<[f64]>>,
 }
@@ -51,6 +52,7 @@ impl<'a> Meshes<'a> {
             triangles: 0,
             vertices: 0,
             displacements: 0,
+            influences: 0,
             rest_weights: HashMap::new(),
         }
     }
@@ -75,10 +77,12 @@ impl<'a> Meshes<'a> {
         let read = &self.read[&mesh];
         self.triangles += read.mesh.triangles.len() as u64;
         self.vertices += read.mesh.positions.len() as u64;
-        self.displacements += read.displacement_count();
+        self.displacements += read.displacements + read.targets.len() as u64;
+        self.influences += read.influences.len() as u64;
         document.check_size("its scene", "triangles", self.triangles, 1)?;
         document.check_size("its scene", "vertices", self.vertices, 3)?;
-        document.check_size("its scene", "displacements of morph targets", self.displacements, 3)
+        document.check_size("its scene", "displacements of morph targets", self.displacements, 3)?;
+        document.check_size("its scene", "influences of joints", self.influences, 3 * INFLUENCES)
     }
 
     /// Returns a mesh that was read.
@@ -89,7 +93,11 @@ impl<'a> Meshes<'a> {
     /// Returns the rest weights of a mesh's morph targets at a node.
     pub(super) fn weights(&mut self, mesh: usize, node: usize) -> Result<Arc<[f64]>, Error> {
         let root = &self.document.root;
-        let (targets, own) = (self.read[&mesh].targets.len(), root.nodes[node].weights.as_deref());
+        let targets = self.read[&mesh].targets.len();
+        if targets == 0 {
+            return Ok(Arc::default());
+        }
+        let own = root.nodes[node].weights.as_deref().filter(|own| !own.is_empty());
         let all_meshes = || {
             let weights = root.meshes[mesh].weights.as_deref().unwrap_or_default();
             self.document.weights(weights, targets, &format!("meshes[{mesh}]"))
@@ -166,7 +174,7 @@ fn read(
         add_targets(&mut displacements, &mut body, primitive, vertices, &name)?;
     }
     if !body.first_influences.is_empty() {
-        body.first_influences.push(body.influences.len() as u32);
+        body.first_influences.push(body.influences.len());
     }
     let mesh = &mut body.mesh;
     if lacks_tangents {
@@ -186,6 +194,11 @@ fn read(
     Ok((body, lacks_tangents))
 }
 
+/// Maximum number of sets of four joints that a primitive may have.
+const MOST_SETS: u32 = 8;
+/// Influences per vertex that the limit on triangles allows for.
+const INFLUENCES: u64 = 4;
+
 /// Reads the joints and weights of a primitive's vertices. Weights are scaled to a sum of 1.
 fn add_influences(
     document: &Document,
@@ -197,6 +210,9 @@ fn add_influences(
     let attribute = |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
     let mut sets = Vec::new();
     for set in 0.. {
+        if set == MOST_SETS {
+            return Err(document.fault(format!("{name}: it has over {MOST_SETS} sets of joints")));
+        }
         let (Some(joints), Some(weights)) = (attribute(Semantic::Joints(set)), attribute(Semantic::Weights(set)))
         else {
             break;
@@ -218,7 +234,7 @@ fn add_influences(
     // Earlier primitives may have no joints.
     body.first_influences.resize(vertices.start, 0);
     for vertex in 0..vertices.len() {
-        body.first_influences.push(body.influences.len() as u32);
+        body.first_influences.push(body.influences.len());
         let all = || sets.iter().flat_map(|(joints, weights)| joints[vertex].into_iter().zip(weights[vertex]));
         let sum: f32 = all().map(|(_, weight)| weight.max(0.0)).sum();
         let scaled = all().filter(|(_, weight)| *weight > 0.0).map(|(joint, weight)| (joint as u32, weight / sum));
@@ -261,6 +277,7 @@ fn add_targets(
         ] {
             let Some(accessor) = accessor else { continue };
             let by_vertex = displacements.of(accessor, vertices.len(), &by)?;
+            body.displacements += by_vertex.len() as u64;
             list.push(Changes { first: vertices.start as u32, by_vertex });
         }
     }
@@ -292,6 +309,7 @@ impl Displacements<'_, '_> {
                 let changes = (0..).zip(&all).map(|(vertex, change)| (vertex, Vec3::from_array(*change)));
                 let changes = changes.filter(|(_, change)| *change != Vec3::ZERO).collect();
                 let found = OfVertices { vertices: all.len(), changes };
+                document.count_decoded(3 * found.changes.len(), by)?;
                 self.read.insert(accessor.value(), found.clone());
                 found
             }

@@ -35,7 +35,8 @@ pub(super) struct Visited<'a> {
     pub(super) place: DAffine3,
 }
 
-/// Calls `visit` with each node of the scene, parents before children, in the file's order. Without a default scene the first one is used, and without scenes all nodes without parents.
+/// Calls `visit` with each node of the scene, parents before children, in the file's order. Without a default scene the
+/// first one is used, and without scenes all nodes without parents.
 pub(super) fn walk(document: &Document, mut visit: impl FnMut(Visited) -> Result<(), Error>) -> Result<(), Error> {
     let root = &document.root;
     let scene = root.scene.map(|scene| scene.value()).or((!root.scenes.is_empty()).then_some(0));

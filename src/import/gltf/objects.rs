@@ -87,7 +87,7 @@ impl Objects<'_> {
     }
 
     /// Returns, for each node of the tree, whether an animation changes its transform or its morph weights.
-    fn moved(&self, tree: &NodeTree) -> Vec<bool> {
+    pub(super) fn moved(&self, tree: &NodeTree) -> Vec<bool> {
         let mut own = vec![[false; 2]; tree.nodes.len()];
         for track in self.clips.iter().flat_map(|(_, tracks)| tracks) {
             own[track.node][usize::from(track.property == Property::Weights)] = true;

@@ -124,13 +124,12 @@ fn children_lights_and_cameras_move_with_their_nodes() {
     assert_near(light.position.as_vec3(), turn * Vec3::X);
     assert_near(light.cone.unwrap().direction, turn * -Vec3::Z);
     let rest = file.cameras[0].1;
-    let camera = animation.camera(0, 2.0).unwrap().unwrap();
-    assert_eq!(animation.camera(0, 0.0).unwrap().unwrap(), rest);
+    let camera = animation.cameras(2.0).unwrap()[0];
+    assert_eq!(animation.cameras(0.0).unwrap(), [rest]);
     let (pose, own) = (camera.pose().unwrap(), rest.pose().unwrap());
     assert_near(pose.eye.as_vec3(), turn * Vec3::X);
     assert_near(pose.forward, turn * -Vec3::Z);
     assert_eq!((pose.screen_distance, pose.interaxial), (own.screen_distance, own.interaxial));
-    assert!(animation.camera(1, 0.0).unwrap().is_none());
     // A light of the user's does not move.
     file.scene.lights[0].intensity *= 2.0;
     animation.pose(&mut file.scene, 0.0).unwrap();
@@ -218,6 +217,21 @@ fn morph_targets_add_to_the_mesh_by_their_weights() {
     let posed = corners(&file.scene);
     assert_near(posed[0][2], Vec3::new(1.0, 1.0, 2.0));
     assert_eq!(posed[1], rest[1]);
+}
+
+#[test]
+fn content_changes_with_every_number_that_moves_something() {
+    let content = |builder: &Builder| {
+        let mut bytes = Vec::new();
+        open(builder.text()).animations[0].content(|piece| bytes.extend_from_slice(piece));
+        bytes
+    };
+    let moved = |values: &[[f32; 3]; 2], times: &[f32; 2]| animated("translation", "LINEAR", times, values);
+    let first = content(&moved(&[[0.0; 3], [1.0; 3]], &[0.0, 1.0]));
+    assert_eq!(first, content(&moved(&[[0.0; 3], [1.0; 3]], &[0.0, 1.0])));
+    assert_ne!(first, content(&moved(&[[0.0; 3], [1.0, 1.0, 1.5]], &[0.0, 1.0])));
+    assert_ne!(first, content(&moved(&[[0.0; 3], [1.0; 3]], &[0.0, 1.5])));
+    assert_ne!(first, content(&animated("translation", "STEP", &[0.0, 1.0], &[[0.0; 3], [1.0; 3]])));
 }
 
 #[test]
