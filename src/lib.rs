@@ -171,6 +171,7 @@ pub use render::{Encoded, EncodedView};
 pub use render::{FrameBuilder, Passes, Renderer};
 pub use render::{RigView, Views};
 pub use render::{Update, UploadInfo, UploadedScene};
+#[cfg(feature = "scene-files")]
 pub use scene::animation::Animation;
 pub use scene::builtin::Builtin;
 pub use scene::{

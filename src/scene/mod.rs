@@ -1,5 +1,7 @@
 //! Scenes: triangle meshes, spheres, ellipsoids, planes, materials, lights, ambient light and the sky.
 
+#[cfg(feature = "scene-files")]
+#[cfg_attr(not(feature = "gltf"), allow(dead_code, reason = "only glTF files have animations"))]
 pub(crate) mod animation;
 mod beside;
 pub mod builtin;

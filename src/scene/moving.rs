@@ -168,6 +168,7 @@ impl Scene {
     }
 
     /// Returns whether an object is a mesh with this name and number of triangles.
+    #[cfg(feature = "scene-files")]
     pub(crate) fn has_mesh(&self, object: u32, name: &str, triangles: usize) -> bool {
         let range = self.place_of(object).ok();
         let is_like = |place| matches!(place, Place::Triangles(range) if range.len() == triangles);
