@@ -21,9 +21,6 @@ const COMMON: &[&str] = &[
     "sky",
     "orbit",
     "path",
-    "time",
-    "fps",
-    "ground_truth",
     "quilt",
     "layout",
     "pairs",
@@ -47,7 +44,6 @@ const EXAMPLES: [(&str, &[&str]); 7] = [
         "sequence",
         &[
             "stereotrace sequence bunny.obj --orbit 72 --out turn    a turntable, as numbered files",
-            "stereotrace sequence room.obj --path walk.json --packing side-by-side --out walk",
             "stereotrace sequence fox.glb --fps 30 --ground-truth --out fox    an animation, with optical flow",
         ],
     ),
