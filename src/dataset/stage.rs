@@ -171,13 +171,13 @@ impl Stage {
         if let Some(objects) = &motion.objects {
             move_objects(&mut scene, objects, draws)?;
         }
-        let uploaded = match self.next.take() {
+        let there = self.next.take().filter(|(_, uploaded)| uploaded.belongs_to(renderer.gpu()).is_ok());
+        let uploaded = match there {
             None => renderer.upload(&scene).await?,
-            Some((_, mut uploaded)) if uploaded.belongs_to(renderer.gpu()).is_ok() => {
-                follow(renderer, &mut uploaded, &scene).await?;
+            Some((_, mut uploaded)) => {
+                renderer.update(&mut uploaded, &scene, Update::RefitOrRebuild).await?;
                 uploaded
             }
-            Some(_) => renderer.upload(&scene).await?,
         };
         self.next = Some((scene, uploaded));
         moved_camera(camera, &motion.camera, draws)
@@ -410,7 +410,7 @@ impl Stage {
     pub(super) async fn bring(&mut self, renderer: &Renderer) -> Result<(), Error> {
         if let Some(uploaded) = self.uploaded.as_mut().filter(|uploaded| uploaded.belongs_to(renderer.gpu()).is_ok()) {
             if self.has_changed {
-                follow(renderer, uploaded, &self.scene).await?;
+                renderer.update(uploaded, &self.scene, Update::RefitOrRebuild).await?;
             }
         } else {
             self.uploaded = None; // frees its memory first
@@ -422,17 +422,6 @@ impl Stage {
 
     pub(super) fn uploaded(&self) -> Result<&UploadedScene, Error> {
         self.uploaded.as_ref().ok_or(Error::ForeignScene)
-    }
-}
-
-/// Updates a scene on the device. Its tree is refitted if that is possible, else rebuilt.
-async fn follow(renderer: &Renderer, uploaded: &mut UploadedScene, scene: &Scene) -> Result<(), Error> {
-    match renderer.update(uploaded, scene, Update::Refit).await {
-        Err(Error::Scene { .. }) => {
-            *uploaded = renderer.upload(scene).await?;
-            Ok(())
-        }
-        done => done,
     }
 }
 

@@ -91,6 +91,8 @@ pub enum Update {
     /// that was degenerate or an exact copy then must not be traced now. (A list, [`BvhBuild::Flat`], is always
     /// rebuilt.)
     Refit,
+    /// Refits the tree if that is possible, otherwise builds a new one with [`BvhBuild::Balanced`].
+    RefitOrRebuild,
     /// Builds a new tree.
     Rebuild(BvhBuild),
 }
@@ -301,7 +303,8 @@ impl Renderer {
         let traversal = uploaded.info.traversal;
         let table_fits = self.gpu.texel_capacity(traversal.fetch) >= ShadingTable::of(scene).count() as u64;
         let same_geometry = uploaded.shape.is_of(scene) && uploaded.cutouts == cutouts_of(scene);
-        if how == Update::Refit && same_geometry && table_fits {
+        let may_refit = matches!(how, Update::Refit | Update::RefitOrRebuild);
+        if may_refit && same_geometry && table_fits {
             let (table, pictures) = self.bring_table(scene, traversal.fetch, Some(uploaded)).await?;
             let Variant { world_boxes, stack_size, .. } = uploaded.variant;
             uploaded.variant = Variant::over_tree(scene, traversal, world_boxes, stack_size);
@@ -317,12 +320,17 @@ impl Renderer {
             (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
             return Ok(());
         }
+        let refitted = || {
+            let packed = uploaded.shape.refit(scene, traversal.boxes)?;
+            let shape = uploaded.shape.refitted(scene, &packed);
+            Ok((packed, shape))
+        };
         let tree = match how {
-            Update::Refit => {
-                let packed = uploaded.shape.refit(scene, traversal.boxes)?;
-                let shape = uploaded.shape.refitted(scene, &packed);
-                (packed, shape)
-            }
+            Update::Refit => refitted()?,
+            Update::RefitOrRebuild => match refitted() {
+                Err(Error::Scene { .. }) => built(scene, BvhBuild::Balanced, traversal)?,
+                found => found?,
+            },
             Update::Rebuild(build) => built(scene, build, traversal)?,
         };
         *uploaded = self.bring(scene, tree, traversal, started, Some(uploaded)).await?;

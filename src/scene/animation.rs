@@ -22,7 +22,7 @@ const LEVEL: f64 = 1e-4;
 /// let mut uploaded = renderer.upload(&file.scene).wait()?;
 /// for frame in 0..24 {
 ///     walk.pose(&mut file.scene, f64::from(frame) / 24.0)?;
-///     renderer.update(&mut uploaded, &file.scene, Update::Refit).wait()?;
+///     renderer.update(&mut uploaded, &file.scene, Update::RefitOrRebuild).wait()?;
 /// }
 /// # Ok::<(), stereotrace::Error>(())
 /// ```
@@ -101,7 +101,7 @@ pub(crate) struct Body {
     pub(crate) influences: Vec<(u32, f32)>,
 }
 
-/// What a morph target adds to the vertices at a weight of 1, for each primitive of the file.
+/// Displacements of a morph target at a weight of 1, for each primitive of the file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MorphTarget {
     pub(crate) positions: Vec<Changes>,
@@ -166,7 +166,7 @@ impl Animation {
     ///
     /// The scene must be the file's scene. Lights with another shape or intensity than the file's do not move. Objects
     /// keep their primitives, so [`Renderer::flow`](crate::Renderer::flow) follows their points.
-    /// [`Update::Refit`](crate::Update::Refit) can follow too, unless a triangle had no area before.
+    /// [`Update::RefitOrRebuild`](crate::Update::RefitOrRebuild) follows on the device.
     ///
     /// # Errors
     /// [`Error::Scene`] if the time is not finite, if the scene lacks an object of the animation, or if a coordinate is

@@ -13,6 +13,7 @@ use crate::{
     },
     view::camera::Projector,
 };
+
 /// A ray has reached a point if it hits another primitive at most this share of the distance before the point. The
 /// value exceeds the rounding of directions, except on surfaces seen edge-on.
 const SAME_POINT: f64 = 1.0 / 65536.0;
@@ -248,7 +249,7 @@ impl Motion<'_> {
     }
 }
 
-/// What places the points of one eye's pixels.
+/// Rays of one eye's pixels, and projections of their points at both times.
 struct EyeMotion<'a> {
     motion: &'a Motion<'a>,
     side: f64,

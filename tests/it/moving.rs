@@ -267,6 +267,12 @@ fn copies_are_refitted_as_long_as_they_are_copies() {
     scene.transform_object(copy, &Affine3A::from_scale(Vec3::ZERO)).unwrap();
     renderer.update(&mut uploaded, &scene, Update::Refit).wait().unwrap();
     assert_as_new(&mut renderer, &uploaded, &scene, &[Method::Naive, Method::BRACKET], "the copy shrinks");
+    // It returns elsewhere, which the tree can't follow.
+    scene.set_mesh(copy, &flat()).unwrap();
+    scene.transform_object(copy, &shift(0.3, 0.4, 0.9)).unwrap();
+    refusal(renderer.update(&mut uploaded, &scene, Update::Refit).wait());
+    renderer.update(&mut uploaded, &scene, Update::RefitOrRebuild).wait().unwrap();
+    assert_as_new(&mut renderer, &uploaded, &scene, &[Method::Naive, Method::BRACKET], "the copy returns");
 }
 
 #[test]

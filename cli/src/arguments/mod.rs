@@ -15,7 +15,7 @@ pub(crate) use self::{
     picture::PictureArguments,
     reading::ReadingArguments,
     short_help::{command, whole_command},
-    subject::{Purpose, Stage, Subject, depths, update},
+    subject::{Purpose, Stage, Subject, depths},
     time::TimeArguments,
     values::{above_zero, frames, size},
 };

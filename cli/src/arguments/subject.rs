@@ -100,12 +100,11 @@ impl Playing {
 }
 
 impl Stage {
-    /// Moves the scene to a time of its animation, in seconds, and updates the device. Returns the camera at this time.
-    pub(crate) fn seek(&mut self, seconds: f64) -> Result<StereoCamera, stereotrace::Error> {
-        let Some(playing) = &self.playing else { return Ok(self.camera) };
+    /// Moves the scene to a time of its animation, in seconds, and updates the device.
+    pub(crate) fn seek(&mut self, seconds: f64) -> Result<(), stereotrace::Error> {
+        let Some(playing) = &self.playing else { return Ok(()) };
         playing.animation.pose(&mut self.scene, seconds)?;
-        update(&self.renderer, &mut self.uploaded, &self.scene)?;
-        playing.camera(self.camera, seconds)
+        self.renderer.update(&mut self.uploaded, &self.scene, Update::RefitOrRebuild).wait()
     }
 
     /// Renders a pair of the scene and shows the progress.
@@ -117,21 +116,6 @@ impl Stage {
     ) -> Result<StereoPair, stereotrace::Error> {
         let mut show = |now| progress.show(now);
         self.renderer.pair(&self.uploaded, &camera).options(&options).progress(&mut show).read().wait()
-    }
-}
-
-/// Updates a scene on the device. Its tree is refitted if that is possible, else rebuilt.
-pub(crate) fn update(
-    renderer: &Renderer,
-    uploaded: &mut UploadedScene,
-    scene: &Scene,
-) -> Result<(), stereotrace::Error> {
-    match renderer.update(uploaded, scene, Update::Refit).wait() {
-        Err(stereotrace::Error::Scene { .. }) => {
-            *uploaded = renderer.upload(scene).wait()?;
-            Ok(())
-        }
-        done => done,
     }
 }
 

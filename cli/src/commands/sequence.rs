@@ -13,13 +13,13 @@ use std::{
 use clap::Args;
 use serde_json::{Value, json};
 use stereotrace::{
-    GBuffer, Lighting, MAX_PATHS, Moment, Options, Scene, StereoCamera, StereoPair, UploadedScene, blocking::Wait,
-    message::counted, output::Batch, output::write_whole,
+    GBuffer, Lighting, MAX_PATHS, Moment, Options, Scene, StereoCamera, StereoPair, Update, UploadedScene,
+    blocking::Wait, message::counted, output::Batch, output::write_whole,
 };
 
 use super::motion::{MOST, Motion, MotionArguments};
 use crate::{
-    arguments::{Global, Purpose, Stage, Subject, above_zero, frames, update},
+    arguments::{Global, Purpose, Stage, Subject, above_zero, frames},
     progress::Progress,
     record, shown,
     stop::{Interrupted, Stop},
@@ -179,17 +179,17 @@ fn picture(
     let mut options = stage.options.clone();
     if frame.is_multiple_of(BLOCK) {
         stage.renderer.forget();
+        // A moving scene recalls no light, so its first picture is like the others.
         if let Lighting::Paths { bounces, samples } = options.lighting
             && options.has_history()
             && stage.playing.is_none()
-        // a moving scene recalls no light
         {
             let samples = samples.saturating_mul(FIRST_PATHS).min(MAX_PATHS);
             options = options.lighting(Lighting::Paths { bounces, samples });
         }
     }
-    let own = stage.seek(film.seconds(frame))?;
-    stage.render(film.motion.as_ref().map_or(own, |motion| motion.at(frame)), options, progress)
+    stage.seek(film.seconds(frame))?;
+    stage.render(film.camera(stage, frame)?, options, progress)
 }
 
 /// Motion of a film's camera and scene.
@@ -235,7 +235,7 @@ impl Film {
     }
 }
 
-/// What makes the ground truth of pictures.
+/// Maker of the pictures' ground truth.
 #[derive(Default)]
 struct Truth {
     /// The scene at the time of another picture, if it moves.
@@ -267,7 +267,7 @@ impl Truth {
                         none => none.insert((stage.scene.clone(), stage.renderer.upload(&stage.scene).wait()?)),
                     };
                     playing.animation.pose(scene, film.seconds(other))?;
-                    update(&stage.renderer, uploaded, scene)?;
+                    stage.renderer.update(uploaded, scene, Update::RefitOrRebuild).wait()?;
                     (&*scene, &*uploaded)
                 }
             };

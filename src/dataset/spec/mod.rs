@@ -61,7 +61,7 @@ pub struct Array {
     pub next: bool,
     /// The eye.
     pub eye: Eye,
-    /// What it holds.
+    /// Its content.
     pub output: Output,
 }
 
@@ -76,7 +76,7 @@ impl Array {
     }
 }
 
-/// What an output array holds.
+/// Content of an output array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Output {

@@ -10,7 +10,7 @@ use crate::{
     scene::animation::{Actor, NodeTree, Property},
 };
 
-/// What the objects of a file's nodes are made from.
+/// Meshes, nodes and animations from which the objects of a file are made.
 pub(super) struct Objects<'a> {
     pub(super) document: &'a Document<'a>,
     pub(super) meshes: &'a Meshes<'a>,

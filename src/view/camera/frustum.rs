@@ -295,7 +295,7 @@ impl Pose {
         self.projector(side).project(point.into()).map(|value| value as f32)
     }
 
-    /// Returns what projects points into an eye's picture, for many points.
+    /// Prepares the projection of many points into an eye's picture.
     pub(crate) fn projector(&self, side: f32) -> Projector {
         match self.field {
             Field::Screen(frustum) => {
