@@ -37,6 +37,7 @@
 //! | show pictures while paths refine them | [`Passes`] |
 //! | get disparity, occlusion and normals | [`GroundTruth`], [`Channel`] |
 //! | get optical flow and scene flow | [`Flow`], [`Renderer::flow`] |
+//! | get all surfaces behind glass and in mirrors | [`Layers`], [`Renderer::layers`] |
 //! | compare pictures | [`metrics`] |
 //! | trace my own rays | [`Ray`], [`Renderer::closest_hits`] |
 //! | draw into my own GPU program | [`Gpu::from_device`], [`FrameBuilder::encode`] |
@@ -182,6 +183,7 @@ pub use truth::channels::{Channels, Values};
 pub use truth::disparity::Occlusion;
 pub use truth::flow::{EyeFlow, Flow, FlowClass, Moment};
 pub use truth::ground_truth::{EyeTruth, GroundTruth};
+pub use truth::layers::{EyeLayers, LayerClass, Layering, Layers};
 pub use truth::occlusion::Occlusions;
 pub use truth::surface::Surface;
 pub use view::camera::{CameraPath, Comfort, Equirectangular, FAR, PoleMerge, Pose, Projection, Span, StereoCamera};

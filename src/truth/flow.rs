@@ -16,7 +16,7 @@ use crate::{
 
 /// A ray has reached a point if it hits another primitive at most this share of the distance before the point. The
 /// value exceeds the rounding of directions, except on surfaces seen edge-on.
-const SAME_POINT: f64 = 1.0 / 65536.0;
+pub(super) const SAME_POINT: f64 = 1.0 / 65536.0;
 
 /// A scene and a camera at a time ([`Renderer::flow`]). The scene has the primitives of the pair's scene at other
 /// positions.
@@ -332,6 +332,6 @@ impl<'a> EyeMotion<'a> {
 }
 
 /// Returns a difference of columns, by the shorter way round a picture of all directions with so many columns.
-fn shorter_way(turn: Option<f64>, columns: f64) -> f64 {
+pub(super) fn shorter_way(turn: Option<f64>, columns: f64) -> f64 {
     turn.map_or(columns, |turn| columns - turn * (columns / turn).round())
 }

@@ -101,15 +101,12 @@ impl Renderer {
         pair: &StereoPair,
     ) -> Result<GroundTruth, Error> {
         check_pair(pair)?;
-        if !uploaded.is_of(scene) {
-            let reason = "neither it nor the scene it was cloned from was uploaded, or it has changed since".into();
-            return Err(Error::Scene { element: "the ground truth's scene".into(), reason });
-        }
+        check_scene(uploaded, scene, pair)?;
         let occlusions = self.occlusions(uploaded, pair).await?;
         let (left, right) = (pair.disparity(), pair.right_disparity());
         Ok(GroundTruth {
-            left: eye_truth(scene, &pair.left, &Pixels::of(&pair.pose, -0.5), left, occlusions.left)?,
-            right: eye_truth(scene, &pair.right, &Pixels::of(&pair.pose, 0.5), right, occlusions.right)?,
+            left: eye_truth(scene, &pair.left, &Pixels::of(&pair.pose, -0.5), left, occlusions.left),
+            right: eye_truth(scene, &pair.right, &Pixels::of(&pair.pose, 0.5), right, occlusions.right),
             pose: pair.pose,
         })
     }
@@ -131,13 +128,24 @@ pub(super) fn check_pair(pair: &StereoPair) -> Result<(), Error> {
     Ok(())
 }
 
-fn eye_truth(
-    scene: &Scene,
-    view: &View,
-    pixels: &Pixels,
-    disparity: Vec<f32>,
-    occlusion: Vec<Occlusion>,
-) -> Result<EyeTruth, Error> {
+/// Checks that a scene is uploaded, and has the primitives that a pair shows.
+pub(super) fn check_scene(uploaded: &UploadedScene, scene: &Scene, pair: &StereoPair) -> Result<(), Error> {
+    if !uploaded.is_of(scene) {
+        let reason = "neither it nor the scene it was cloned from was uploaded, or it has changed since".into();
+        return Err(Error::Scene { element: "the ground truth's scene".into(), reason });
+    }
+    let count = scene.primitive_count();
+    let mut ids = [&pair.left, &pair.right].into_iter().flat_map(|view| &view.primitive);
+    match ids.find(|&&id| id != MISS && id as usize >= count) {
+        None => Ok(()),
+        Some(id) => {
+            let reason = format!("the scene has {count} primitives");
+            Err(Error::Scene { element: format!("primitive {id} of a picture"), reason })
+        }
+    }
+}
+
+fn eye_truth(scene: &Scene, view: &View, pixels: &Pixels, disparity: Vec<f32>, occlusion: Vec<Occlusion>) -> EyeTruth {
     let width = (view.width as usize).max(1);
     let count = view.primitive.len();
     let mut truth = EyeTruth {
@@ -159,18 +167,14 @@ fn eye_truth(
         truth.distance.push((f64::from(z) * direction.length()) as f32);
         let (geometric, shading, material) = match id {
             MISS => (Vec3::ZERO, Vec3::ZERO, MISS),
-            id if (id as usize) < scene.primitive_count() => {
+            id => {
                 let surface = at(scene, id, (eye, direction), f64::from(z));
                 (surface.geometric_normal, surface.shading_normal, surface.material.0)
-            }
-            id => {
-                let reason = format!("the scene has {} primitives", scene.primitive_count());
-                return Err(Error::Scene { element: format!("primitive {id} of a picture"), reason });
             }
         };
         truth.geometric_normal.push(geometric.to_array());
         truth.shading_normal.push(shading.to_array());
         truth.material.push(material);
     }
-    Ok(truth)
+    truth
 }

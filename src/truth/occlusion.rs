@@ -10,7 +10,7 @@ use crate::{
 /// A ray has hit the point itself if the hit's disparity exceeds the point's disparity by at most this many pixels. The
 /// value exceeds the rounding of depths and directions, even on surfaces seen edge-on. Wrong answers are limited to a
 /// strip of this width along edges.
-const SAME_POINT_PX: f64 = 1.0 / 512.0;
+pub(super) const SAME_POINT_PX: f64 = 1.0 / 512.0;
 
 /// Whether the other eye sees the point of each pixel, for both views. The lists are row-major, `[height][width]`, top
 /// row first.
@@ -138,7 +138,7 @@ impl Pixels {
     }
 
     /// Returns the ray from the other eye to the point of a pixel at depth `z`, which is the ray's t.
-    fn ray_of_other(&self, column: usize, row: usize, z: f32) -> Ray {
+    pub(super) fn ray_of_other(&self, column: usize, row: usize, z: f32) -> Ray {
         let (eye, direction) = match self {
             Self::Planar(pixels) => {
                 // A point in the plane of the eyes has no direction of this length; it is out of frame.

@@ -140,7 +140,7 @@ fn towards_viewer(normal: DVec3, direction: DVec3) -> DVec3 {
 }
 
 /// Returns the barycentric coordinates at which a ray meets a triangle's plane. They are at least 0 and sum to 1.
-fn weights(triangle: &Triangle, origin: DVec3, direction: DVec3) -> [f64; 3] {
+pub(super) fn weights(triangle: &Triangle, origin: DVec3, direction: DVec3) -> [f64; 3] {
     let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - origin);
     // A corner's weight is the volume that the ray spans with the opposite edge. Rounding may leave the point slightly
     // outside.

@@ -32,6 +32,7 @@ mod grounds;
 mod history;
 mod huge_scenes;
 mod jitter;
+mod layers;
 mod lighting;
 mod limits;
 mod memory;
