@@ -2,7 +2,7 @@
 
 use std::{error::Error, path::Path};
 
-use stereotrace::{Flow, GroundTruth, output::Batch};
+use stereotrace::{Flow, GroundTruth, Layering, Layers, output::Batch};
 
 /// Adds the ground truth of both views. KITTI's disparities are added for parallel cameras only: with a finite screen
 /// they are negative behind it, which these files can't hold.
@@ -29,6 +29,44 @@ pub(crate) fn add_truth(batch: &mut Batch, truth: &GroundTruth, folder: &Path) -
         batch.add_calib(folder.join("calib.txt"), truth)?;
     }
     Ok(batch.add_camera_json(folder.join("camera.json"), &truth.pose)?)
+}
+
+/// Reads a number of surfaces, and what bends lines of sight: `4`, `4:refracted`, `4:mirrored` or both.
+pub(crate) fn layering(text: &str) -> Result<Layering, String> {
+    let mut parts = text.split(':');
+    let surfaces = parts.next().and_then(|number| number.parse().ok());
+    let most = Layering::MOST_SURFACES;
+    let Some(surfaces) = surfaces.filter(|surfaces| (1..=most).contains(surfaces)) else {
+        return Err(format!("it must begin with the number of surfaces, 1 to {most}"));
+    };
+    parts.try_fold(Layering::new(surfaces), |layering, part| match part {
+        "refracted" => Ok(layering.refracted(true)),
+        "mirrored" => Ok(layering.mirrored(true)),
+        _ => Err(format!("unknown '{part}'; use refracted or mirrored")),
+    })
+}
+
+/// Adds all surfaces along the lines of sight of both views. Layer 1 is the nearest one.
+pub(crate) fn add_layers(batch: &mut Batch, layers: &Layers, folder: &Path) -> Result<(), Box<dyn Error>> {
+    for (n, eye) in [&layers.left, &layers.right].into_iter().enumerate() {
+        let (width, height) = (eye.width, eye.height);
+        for layer in 0..eye.surfaces {
+            let file = |name: &str, ending: &str| folder.join(format!("layer{}_{name}{n}.{ending}", layer + 1));
+            for (name, list) in [
+                ("disp", &eye.disparity),
+                ("disp_y", &eye.vertical_disparity),
+                ("depth_z", &eye.depth),
+                ("distance", &eye.distance),
+            ] {
+                batch.add_pfm(file(name, "pfm"), width, height, eye.layer(list, layer))?;
+            }
+            batch.add_pfm_color(file("normals", "pfm"), width, height, eye.layer(&eye.shading_normal, layer))?;
+            batch.add_ids_png(file("objects", "png"), width, height, eye.layer(&eye.object, layer))?;
+            batch.add_ids_png(file("materials", "png"), width, height, eye.layer(&eye.material, layer))?;
+            batch.add_layer_classes(file("class", "png"), eye, layer)?;
+        }
+    }
+    Ok(())
 }
 
 /// Adds the motion of both views' points to the next picture (`forward`) or to the one before (`backward`).

@@ -114,6 +114,31 @@ fn pictures_all_around_have_the_names_that_players_read() {
 }
 
 #[test]
+fn layers_are_written_for_each_surface_along_a_line_of_sight() {
+    let folder = Folder::new("layers");
+    let out = folder.file("all").to_str().unwrap().to_owned();
+    let command = ["render", "builtin:three-spheres-mirrors", "--size", "64x48", "--out", &out];
+    printed(&[&command[..], &["--layers", "2:mirrored"]].concat());
+    let written = |name: &str| folder.file("all").join(name).is_file();
+    for list in ["disp0.pfm", "disp_y1.pfm", "depth_z0.pfm", "distance1.pfm", "normals0.pfm", "objects1.png"] {
+        assert!(written(&format!("layer1_{list}")) && written(&format!("layer2_{list}")), "{list}");
+    }
+    assert!(written("layer2_materials0.png") && !written("layer3_disp0.pfm") && !written("layer0_disp0.pfm"));
+    let classes = image::open(folder.file("all/layer2_class0.png")).unwrap().into_luma8();
+    assert!(classes.pixels().any(|class| class.0 == [0]) && classes.pixels().any(|class| class.0 == [32]));
+    for (layers, expected) in [
+        ("0", "it must begin with the number of surfaces, 1 to 32"),
+        ("33", "it must begin with the number of surfaces, 1 to 32"),
+        ("2:bent", "unknown 'bent'; use refracted or mirrored"),
+    ] {
+        let message = error_of(&[&command[..], &["--layers", layers]].concat());
+        assert!(message.contains(expected), "{message}");
+    }
+    let message = error_of(&["render", "builtin:near", "--layers", "2", "--out", "pair.png"]);
+    assert!(message.contains("--layers writes many files; --out must be a folder"), "{message}");
+}
+
+#[test]
 fn files_of_physically_based_materials_are_shown_by_paths() {
     let folder = Folder::new("physical");
     folder.write("gold.mtl", "newmtl gold\nKd 0.9 0.7 0.3\nPr 0.3\nPm 1\n");

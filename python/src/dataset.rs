@@ -13,6 +13,7 @@ use crate::{
     camera::Camera,
     errors::{raised, refused},
     flow::Motion,
+    layers::Layers,
     options::Request,
     pair::{Frame, StereoPair},
     renderer::Renderer,
@@ -98,16 +99,18 @@ impl PairMaker {
         let (made, outputs) = renderer.work_alone(py, |renderer, progress| {
             Ok((self.0.pair(renderer, item, progress).wait()?, self.0.channels()))
         })?;
-        let MadePair { pair, truth, camera, record, next, .. } = made;
+        let MadePair { pair, truth, layers, camera, record, next, .. } = made;
         let record = serde_json::to_string(&record).map_err(|error| refused(error.to_string()))?;
-        let pair_of = |pair, truth, camera| {
+        let pair_of = |pair, truth, layers: Option<stereotrace::Layers>, camera| {
             let request = Request { options: Options::default(), outputs: outputs.clone() };
-            StereoPair::of(py, Frame { pair, truth, camera: Camera(camera), request })
+            let mut found = StereoPair::of(py, Frame { pair, truth, camera: Camera(camera), request })?;
+            found.layers = layers.map(|layers| Py::new(py, Layers::of(layers))).transpose()?;
+            Ok::<_, PyErr>(found)
         };
-        let mut found = pair_of(pair, truth, camera)?;
+        let mut found = pair_of(pair, truth, layers, camera)?;
         if let Some(next) = next {
-            let NextPair { pair, truth, camera, forward, backward, .. } = *next;
-            found.motion = Some(Motion::of(py, pair_of(pair, truth, camera)?, forward, backward)?);
+            let NextPair { pair, truth, layers, camera, forward, backward, .. } = *next;
+            found.motion = Some(Motion::of(py, pair_of(pair, truth, layers, camera)?, forward, backward)?);
         }
         Ok((found, record))
     }

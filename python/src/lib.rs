@@ -6,6 +6,7 @@ mod camera;
 mod dataset;
 mod errors;
 mod flow;
+mod layers;
 mod light;
 mod material;
 mod options;
@@ -29,6 +30,7 @@ mod _stereotrace {
         dataset::{DataSetSpec, PairMaker},
         errors::{AdapterError, DeviceLostError, LimitError},
         flow::{EyeFlow, Flow},
+        layers::{EyeLayers, Layers},
         light::Light,
         material::Material,
         options::check_options,

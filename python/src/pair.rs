@@ -22,6 +22,7 @@ use crate::{
     camera::Camera,
     errors::{raised, refused},
     flow::{Motion, MotionTuple},
+    layers::Layers,
     options::Request,
     picture::{array, encoded, rgb, shaped},
     statistics,
@@ -241,13 +242,21 @@ pub(crate) struct StereoPair {
     right: Py<View>,
     /// Motion to the next pair of a data set's item.
     pub(crate) motion: Option<Motion>,
+    /// All surfaces along the lines of sight of a data set's item.
+    pub(crate) layers: Option<Py<Layers>>,
 }
 
 impl StereoPair {
     pub(crate) fn of(py: Python<'_>, frame: Frame) -> PyResult<Self> {
         let frame = Arc::new(frame);
         let left = Py::new(py, View::of(Source::Left(frame.clone())))?;
-        Ok(Self { left, right: Py::new(py, View::of(Source::Right(frame.clone())))?, frame, motion: None })
+        Ok(Self {
+            left,
+            right: Py::new(py, View::of(Source::Right(frame.clone())))?,
+            frame,
+            motion: None,
+            layers: None,
+        })
     }
 }
 
@@ -258,6 +267,13 @@ impl StereoPair {
     #[getter]
     fn motion(&self, py: Python<'_>) -> Option<MotionTuple> {
         self.motion.as_ref().map(|motion| motion.tuple(py))
+    }
+
+    /// ``Layers`` of an item of a data set whose spec names them, or ``None``. ``Renderer.layers`` makes them for any
+    /// pair.
+    #[getter]
+    fn layers(&self, py: Python<'_>) -> Option<Py<Layers>> {
+        self.layers.as_ref().map(|layers| layers.clone_ref(py))
     }
 
     /// Camera of the pair: a ``Camera``.

@@ -13,14 +13,15 @@ use std::{
 use numpy::PyArray1;
 use pyo3::{exceptions::PyRuntimeError, prelude::*, types::PyDict};
 use stereotrace::{
-    Adapter, BvhBuild, Error, Gpu, GroundTruth, Moment, Progress, Ray, Rig, Update, UploadedScene, blocking::Wait,
-    dataset::FreePoses,
+    Adapter, BvhBuild, Error, Gpu, GroundTruth, Layering, Moment, Progress, Ray, Rig, Update, UploadedScene,
+    blocking::Wait, dataset::FreePoses,
 };
 
 use crate::{
     camera::Camera,
     errors::{raised, refused},
     flow::Flow,
+    layers::Layers,
     options::Request,
     pair::{Frame, RigFrame, StereoPair, Views},
     passes::Passes,
@@ -463,6 +464,37 @@ impl Renderer {
             renderer.flow(&frame.pair, now, then).wait()
         })?;
         Ok(Flow::of(flow))
+    }
+
+    /// Returns the ``Layers`` of a pair: all surfaces along the lines of sight through the pixels' centres, and whether
+    /// the other eye sees them.
+    ///
+    /// ``pair`` is a picture of ``scene``, with ``"primitive"`` among its outputs. Lines pass glass, opacities below 1
+    /// and holes of cut-outs. They end at the first opaque surface, or after ``surfaces`` surfaces, 1 to 32. With
+    /// ``refracted`` glass bends them as it bends light, else they stay straight. With ``mirrored`` mirrors reflect
+    /// them, else they end there.
+    ///
+    /// Raises ``ValueError`` for a number of surfaces out of range, and for toed-in eyes. Also raises it for a pair
+    /// without ids, of another scene, or by a method that copies pixels. Else raises as ``render`` does.
+    #[pyo3(signature = (pair, scene, surfaces = 4, *, refracted = false, mirrored = false))]
+    fn layers(
+        &self,
+        py: Python<'_>,
+        pair: &StereoPair,
+        scene: &Scene,
+        surfaces: u32,
+        refracted: bool,
+        mirrored: bool,
+    ) -> PyResult<Layers> {
+        let frame = pair.frame.clone();
+        if frame.pair.left.primitive.is_empty() {
+            return Err(refused("layers need ids: name 'primitive' in outputs when the pair is rendered"));
+        }
+        let layering = Layering::new(surfaces).refracted(refracted).mirrored(mirrored);
+        let layers = self.work(py, scene, None, |renderer, uploaded, _| {
+            renderer.layers(uploaded, &scene.inner, &frame.pair, &layering).wait()
+        })?;
+        Ok(Layers::of(layers))
     }
 
     /// Traces n rays to their closest hits. Returns a tuple of two arrays of shape ``(n,)``.

@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::{Spec, draws::Draws, poses::RandomPose, stage::Stage};
 use crate::{
-    Channel, Error, Flow, GroundTruth, Maker, Moment, Occlusion, OnProgress, Renderer, Scene, StereoCamera, StereoPair,
-    UploadedScene,
+    Channel, Error, Flow, GroundTruth, Layers, Maker, Moment, Occlusion, OnProgress, Renderer, Scene, StereoCamera,
+    StereoPair, UploadedScene,
 };
 
 /// Default memory in bytes for the scenes that are kept.
@@ -60,6 +60,8 @@ pub struct MadePair {
     pub camera: StereoCamera,
     /// Its figures.
     pub record: Record,
+    /// All surfaces along its lines of sight, if outputs of the spec need them.
+    pub layers: Option<Layers>,
     /// The next pair, if the spec has motion.
     pub next: Option<Box<NextPair>>,
 }
@@ -72,6 +74,8 @@ pub struct NextPair {
     pub pair: StereoPair,
     /// Its ground truth, if outputs of the spec need it.
     pub truth: Option<GroundTruth>,
+    /// All surfaces along its lines of sight, if outputs of the spec need them.
+    pub layers: Option<Layers>,
     /// Its camera.
     pub camera: StereoCamera,
     /// Motion of the first pair's points to this pair.
@@ -163,10 +167,10 @@ impl PairMaker {
     /// [`PairMaker::also`].
     pub fn channels(&self) -> Vec<Channel> {
         let of_arrays = self.spec.arrays().iter().filter_map(|array| array.output.channel());
-        let for_flow = self.spec.motion.as_ref().map(|_| Channel::Primitive);
+        let needs_ids = self.spec.motion.is_some() || self.spec.needs_layers(false);
         let all: Vec<_> = of_arrays
             .chain([Channel::Color, Channel::Disparity])
-            .chain(for_flow)
+            .chain(needs_ids.then_some(Channel::Primitive))
             .chain(self.more.iter().copied())
             .collect();
         Channel::ALL.iter().copied().filter(|channel| all.contains(channel)).collect()
@@ -260,6 +264,7 @@ impl PairMaker {
             true => Some(renderer.ground_truth(stage.uploaded()?, &stage.scene, &pair).await?),
             false => None,
         };
+        let layers = layers_of(renderer, spec, false, (&stage.scene, stage.uploaded()?), &pair).await?;
         let next = match &spec.motion {
             None => None,
             Some(motion) => {
@@ -270,15 +275,16 @@ impl PairMaker {
                     true => Some(renderer.ground_truth(uploaded, scene, &next).await?),
                     false => None,
                 };
+                let layers = layers_of(renderer, spec, true, (scene, uploaded), &next).await?;
                 let now = Moment { scene: &stage.scene, uploaded: stage.uploaded()?, camera: &camera };
                 let then = Moment { scene, uploaded, camera: &next_camera };
                 let forward = renderer.flow(&pair, &stage.scene, then).await?;
                 let backward = renderer.flow(&next, scene, now).await?;
-                Some(Box::new(NextPair { pair: next, truth, camera: next_camera, forward, backward }))
+                Some(Box::new(NextPair { pair: next, truth, layers, camera: next_camera, forward, backward }))
             }
         };
         let record = record(item, spec.scene_name(index), &pair, truth.as_ref());
-        Ok(MadePair { pair, truth, camera, record, next })
+        Ok(MadePair { pair, truth, layers, camera, record, next })
     }
 
     fn check_item(&self, item: u32) -> Result<(), Error> {
@@ -290,6 +296,20 @@ impl PairMaker {
 
     fn draws(&self, item: u32) -> Draws {
         Draws { seed: self.spec.seed, item }
+    }
+}
+
+/// Returns the layers of an item's first or next pair, if outputs of the spec need them.
+async fn layers_of(
+    renderer: &Renderer,
+    spec: &Spec,
+    next: bool,
+    (scene, uploaded): (&Scene, &UploadedScene),
+    pair: &StereoPair,
+) -> Result<Option<Layers>, Error> {
+    match spec.layers.filter(|_| spec.needs_layers(next)) {
+        Some(layers) => renderer.layers(uploaded, scene, pair, &layers.layering()).await.map(Some),
+        None => Ok(None),
     }
 }
 

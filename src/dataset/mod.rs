@@ -21,4 +21,4 @@ pub use layout::{Layout, LayoutMotion};
 pub use maker::{MadePair, NextPair, PairMaker, Record};
 pub use poses::{FreePoses, RandomPose};
 #[cfg(feature = "dataset")]
-pub use spec::{Array, Eye, Output, Spec};
+pub use spec::{Array, Eye, LayerOutput, Output, Spec};

@@ -13,6 +13,8 @@ mod file;
 mod flow;
 #[cfg(feature = "jpeg")]
 mod jpeg;
+#[cfg(feature = "png")]
+mod layers;
 mod packing;
 mod pair_rows;
 #[cfg(any(feature = "jpeg", feature = "png"))]

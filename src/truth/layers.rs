@@ -146,6 +146,13 @@ impl EyeLayers {
         }
     }
 
+    /// Returns the part of a list that belongs to a layer, below [`EyeLayers::surfaces`]: `[height][width]`. 0 is the
+    /// nearest layer.
+    pub fn layer<'a, T>(&self, list: &'a [T], layer: u32) -> &'a [T] {
+        let pixels = self.count.len();
+        &list[layer as usize * pixels..][..pixels]
+    }
+
     /// Sets the surface that a line is at.
     fn set(&mut self, layer: usize, line: &Line) {
         let State::At(seen) = line.sight.state else { return };
@@ -184,7 +191,7 @@ impl Renderer {
     /// ```
     /// use stereotrace::{Builtin, Gpu, LayerClass, Layering, Renderer, blocking::Wait};
     ///
-    /// let (scene, camera) = (Builtin::Still.scene(), Builtin::Still.camera(64, 48));
+    /// let (scene, camera) = (Builtin::ThreeSpheresMirrors.scene(), Builtin::ThreeSpheresMirrors.camera(64, 48));
     /// let mut renderer = Renderer::new(Gpu::new().wait()?);
     /// let uploaded = renderer.upload(&scene).wait()?;
     /// let pair = renderer.pair(&uploaded, &camera).read().wait()?;

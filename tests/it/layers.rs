@@ -407,7 +407,7 @@ fn layers_that_cannot_be_made_are_refused() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).wait().unwrap();
     let pair = renderer.pair(&uploaded, &camera()).read().wait().unwrap();
-    let mut refused = |surfaces| {
+    let refused = |surfaces| {
         let layers = renderer.layers(&uploaded, &scene, &pair, &Layering::new(surfaces)).wait();
         layers.unwrap_err().to_string()
     };

@@ -10,7 +10,7 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    GBuffer, Lighting, Method, Options, Projection, StereoPair,
+    GBuffer, Layering, Lighting, Method, Options, Projection, StereoPair,
     blocking::Wait,
     metrics::{Difference, compare},
     output::Batch,
@@ -24,7 +24,7 @@ use crate::{
     stop::{Interrupted, Stop},
     summary::Summary,
     target::{EyesArguments, Target, add_pair, is_open_exr, is_single_picture},
-    truth::add_truth,
+    truth::{add_layers, add_truth, layering},
 };
 
 /// Error of a run that a signal ended.
@@ -51,6 +51,11 @@ pub(crate) struct Arguments {
     /// must be a folder
     #[arg(long)]
     ground_truth: bool,
+    /// Write ground truth of all surfaces along each pixel's line of sight, through glass, veils and holes: at most
+    /// SURFACES, 1 to 32. With :refracted glass bends the lines, with :mirrored mirrors reflect them. --out must be a
+    /// folder
+    #[arg(long, value_name = "SURFACES[:refracted][:mirrored]", value_parser = layering)]
+    layers: Option<Layering>,
     /// Render again whenever an input file changes, until interrupted
     #[arg(long)]
     watch: bool,
@@ -66,7 +71,8 @@ pub(crate) struct Arguments {
 impl Arguments {
     /// Returns the name of a given option that needs a folder.
     fn folder_option(&self) -> Option<&'static str> {
-        let options = [(self.dump, "--dump"), (self.ground_truth, "--ground-truth")];
+        let options =
+            [(self.dump, "--dump"), (self.ground_truth, "--ground-truth"), (self.layers.is_some(), "--layers")];
         options.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
     }
 }
@@ -171,9 +177,9 @@ impl Job<'_> {
 
     /// Returns whether the files, or the options, need all rows at the same time.
     fn needs_whole_pair(&self, stage: &Stage) -> bool {
-        let Arguments { compare, dump, ground_truth, .. } = *self.arguments;
+        let compare = self.arguments.compare;
         let has_pictures_only = match &self.target {
-            Target::Folder(_) => !dump && !ground_truth,
+            Target::Folder(_) => self.arguments.folder_option().is_none(),
             Target::File(file) => is_single_picture(file),
         };
         let is_toed_in = stage.camera.projection_kind() == Projection::ToeIn;
@@ -204,6 +210,10 @@ impl Job<'_> {
                 }
                 if self.arguments.ground_truth {
                     add_truth(batch, &truth()?, folder)?;
+                }
+                if let Some(layering) = &self.arguments.layers {
+                    let layers = stage.renderer.layers(&stage.uploaded, &stage.scene, pair, layering).wait()?;
+                    add_layers(batch, &layers, folder)?;
                 }
             }
         }

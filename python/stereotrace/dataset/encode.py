@@ -35,7 +35,7 @@ def files(pair: StereoPair, spec: Spec, record: dict[str, Any]) -> dict[str, byt
         array = _array(pair, view, output)
         if output == "color":
             found[f"{view}.png"] = encode_png(array)
-        elif array.dtype == np.uint8:
+        elif array.dtype == np.uint8 and array.ndim == 2:
             found[f"{view}.{output}.png"] = encode_png(array)
         elif spec["compress"]:
             # The fastest level saves nearly as much as the others.
@@ -53,11 +53,17 @@ def _array(pair: StereoPair, view: str, output: str) -> Any:
     """Returns the array of a view: ``left``, ``right``, ``next.left`` or ``next.right``."""
     of_next, eye = view.startswith("next."), view.removeprefix("next.")
     if pair.motion is None:
-        return getattr(getattr(pair, eye), output)
+        return _of_eye(pair, eye, output)
     following, forward, backward = pair.motion
     if output in FLOW:
         return getattr(getattr(backward if of_next else forward, eye), FLOW[output])
-    return getattr(getattr(following if of_next else pair, eye), output)
+    return _of_eye(following if of_next else pair, eye, output)
+
+
+def _of_eye(pair: StereoPair, eye: str, output: str) -> Any:
+    if output.startswith("layer_"):
+        return getattr(getattr(pair.layers, eye), output.removeprefix("layer_"))
+    return getattr(getattr(pair, eye), output)
 
 
 def _npy(array: Any) -> bytes:

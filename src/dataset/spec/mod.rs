@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
 use super::{Layout, draws::Drawn};
-use crate::{Builtin, Channel, Equirectangular, Error, Options, PoleMerge, Span};
+use crate::{Builtin, Channel, Equirectangular, Error, Layering, Options, PoleMerge, Span};
 
 /// The checked spec of a data set.
 ///
@@ -36,6 +36,8 @@ pub struct Spec {
     pub(super) randomise: Randomise,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) motion: Option<Motion>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) layers: Option<LayersEntry>,
     /// Options of rendering as given.
     pub(super) render: Map<String, Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -90,6 +92,68 @@ pub enum Output {
     DisparityChange,
     /// Scene flow to the other pair ([`EyeFlow::displacement`](crate::EyeFlow::displacement)).
     SceneFlow,
+    /// A list of all surfaces along the lines of sight ([`EyeLayers`](crate::EyeLayers)).
+    Layer(LayerOutput),
+}
+
+/// A list of [`EyeLayers`](crate::EyeLayers).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum LayerOutput {
+    /// Number of surfaces of each pixel.
+    Count,
+    /// Depths.
+    Depth,
+    /// Lengths of the lines.
+    Distance,
+    /// Disparities.
+    Disparity,
+    /// Differences of rows.
+    VerticalDisparity,
+    /// What the other eye sees, as a number of [`LayerClass`](crate::LayerClass).
+    Visibility,
+    /// Numbers of reflections and refractions.
+    Bends,
+    /// Positions.
+    Position,
+    /// Shading normals.
+    Normal,
+    /// Ids of objects.
+    Object,
+    /// Ids of materials.
+    Material,
+}
+
+impl LayerOutput {
+    const ALL: [Self; 11] = [
+        Self::Count,
+        Self::Depth,
+        Self::Distance,
+        Self::Disparity,
+        Self::VerticalDisparity,
+        Self::Visibility,
+        Self::Bends,
+        Self::Position,
+        Self::Normal,
+        Self::Object,
+        Self::Material,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Count => "layer_count",
+            Self::Depth => "layer_depth",
+            Self::Distance => "layer_distance",
+            Self::Disparity => "layer_disparity",
+            Self::VerticalDisparity => "layer_vertical_disparity",
+            Self::Visibility => "layer_visibility",
+            Self::Bends => "layer_bends",
+            Self::Position => "layer_position",
+            Self::Normal => "layer_normal",
+            Self::Object => "layer_object",
+            Self::Material => "layer_material",
+        }
+    }
 }
 
 impl Output {
@@ -103,20 +167,43 @@ impl Output {
             Self::FlowVisibility => "flow_visibility",
             Self::DisparityChange => "disparity_change",
             Self::SceneFlow => "scene_flow",
+            Self::Layer(layer) => layer.name(),
         }
+    }
+
+    /// Returns the outputs that are no channels.
+    fn not_channels() -> impl Iterator<Item = Self> {
+        Self::MOTION.into_iter().chain(LayerOutput::ALL.map(Self::Layer))
     }
 
     fn named(name: &str) -> Option<Self> {
-        let motion = Self::MOTION.into_iter().find(|output| output.name() == name);
-        motion.or_else(|| Some(Self::Channel(name.parse().ok()?)))
+        Self::not_channels().find(|output| output.name() == name).or_else(|| Some(Self::Channel(name.parse().ok()?)))
     }
 
-    /// Returns the channel, or `None` for motion.
+    /// Returns the channel, or `None` for motion and layers.
     pub(super) fn channel(self) -> Option<Channel> {
         match self {
             Self::Channel(channel) => Some(channel),
-            Self::Flow | Self::FlowVisibility | Self::DisparityChange | Self::SceneFlow => None,
+            Self::Flow | Self::FlowVisibility | Self::DisparityChange | Self::SceneFlow | Self::Layer(_) => None,
         }
+    }
+
+    pub(super) fn is_layer(self) -> bool {
+        matches!(self, Self::Layer(_))
+    }
+}
+
+/// How lines of sight meet the surfaces of layers.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct LayersEntry {
+    pub(super) surfaces: u32,
+    pub(super) refracted: bool,
+    pub(super) mirrored: bool,
+}
+
+impl LayersEntry {
+    pub(super) fn layering(self) -> Layering {
+        Layering::new(self.surfaces).refracted(self.refracted).mirrored(self.mirrored)
     }
 }
 
@@ -459,6 +546,11 @@ impl Spec {
     /// Returns the output arrays of the eyes, in the order of files. A layout has color, disparity and occlusion.
     pub fn arrays(&self) -> &[Array] {
         &self.arrays
+    }
+
+    /// Returns whether arrays of the first or the next pair are layers.
+    pub(super) fn needs_layers(&self, next: bool) -> bool {
+        self.arrays.iter().any(|array| array.next == next && array.output.is_layer())
     }
 
     /// Returns a scene's name in records.

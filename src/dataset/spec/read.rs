@@ -5,16 +5,16 @@ use std::path::PathBuf;
 use serde_json::{Map, Value};
 
 use super::{
-    AroundEntry, Array, CameraEntry, CameraMotion, Distance, Eye, Format, LightEntry, Lights, MergeEntry, Motion,
-    ObjectMotion, OriginEntry, Output, Poses, RandomLights, RandomMaterials, Randomise, Rig, SceneEntry, SkyEntry,
-    Source, Spec,
+    AroundEntry, Array, CameraEntry, CameraMotion, Distance, Eye, Format, LayersEntry, LightEntry, Lights, MergeEntry,
+    Motion, ObjectMotion, OriginEntry, Output, Poses, RandomLights, RandomMaterials, Randomise, Rig, SceneEntry,
+    SkyEntry, Source, Spec,
     fields::{
         Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
         text, whole, within,
     },
 };
 use crate::{
-    Builtin, Channel, Error, Lighting, Maker, Method, Options, PoleMerge,
+    Builtin, Channel, Error, Layering, Lighting, Maker, Method, Options, PoleMerge,
     dataset::draws::{Drawn, PLACES, Span},
 };
 
@@ -26,6 +26,8 @@ const SCENE_FLOW_PAIRS: u32 = 10_000;
 const LONGEST_SIDE: u32 = 1 << 17;
 /// Maximum radius of a light at infinity in radians.
 const LARGEST_ANGLE: f64 = 1.5;
+/// Default choice of layers.
+const LAYERS: LayersEntry = LayersEntry { surfaces: 4, refracted: false, mirrored: false };
 /// Default time from a pair to the next one in seconds.
 const STEP: f64 = 1.0 / 24.0;
 
@@ -46,6 +48,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     let rig = fields.get("rig", rig)?;
     let randomise = fields.get("randomise", randomise)?;
     let motion = fields.get("motion", motion)?;
+    let layers = fields.get("layers", layers)?;
     let render = fields.get("render", render)?;
     let outputs = fields.get("outputs", outputs)?;
     let compress = fields.get("compress", flag)?;
@@ -60,6 +63,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     let is_layout = format.layout().is_some();
     let (render, options) = render.unwrap_or_default();
     let (names, arrays) = outputs.unwrap_or_else(|| arrays(["color", "disparity", "occlusion"].map(String::from)));
+    let has_layers = arrays.iter().any(|array| array.output.is_layer());
     let default_size = match rig.as_ref().and_then(|rig: &Rig| rig.around).map(|around| around.projection) {
         None => [640, 480],
         Some(crate::Span::Full) => [1024, 512],
@@ -77,6 +81,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
         rig: rig.unwrap_or_default(),
         randomise: randomise.unwrap_or_default(),
         motion,
+        layers: layers.or(has_layers.then_some(LAYERS)),
         render,
         outputs: (!is_layout).then_some(names),
         compress: (!is_layout).then(|| compress.unwrap_or(false)),
@@ -434,6 +439,17 @@ fn motion(value: &Value, at: &str) -> Result<Motion, Error> {
     Ok(found)
 }
 
+fn layers(value: &Value, at: &str) -> Result<LayersEntry, Error> {
+    let fields = Fields::of(value, at)?;
+    let found = LayersEntry {
+        surfaces: fields.get("surfaces", whole(1, Layering::MOST_SURFACES))?.unwrap_or(LAYERS.surfaces),
+        refracted: fields.get("refracted", flag)?.unwrap_or(LAYERS.refracted),
+        mirrored: fields.get("mirrored", flag)?.unwrap_or(LAYERS.mirrored),
+    };
+    fields.end()?;
+    Ok(found)
+}
+
 fn camera_motion(value: &Value, at: &str) -> Result<CameraMotion, Error> {
     let fields = Fields::of(value, at)?;
     let found = CameraMotion {
@@ -472,7 +488,7 @@ fn outputs(value: &Value, at: &str) -> Result<Outputs, Error> {
         match array_name(name) {
             None => {
                 let channels = Channel::ALL.iter().map(|channel| channel.name());
-                let known = Vec::from_iter(channels.chain(Output::MOTION.map(Output::name)));
+                let known = Vec::from_iter(channels.chain(Output::not_channels().map(Output::name)));
                 let prefixes = "for one eye with the prefix left. or right., of the next pair with next.";
                 let name = shown(&Value::from(name.as_str()));
                 return fault(&at, format!("unknown {name}; use one of {}, {prefixes}", known.join(", ")));
@@ -529,7 +545,7 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
     let method = spec.options.method;
     let is_bracket = matches!(method, Method::Auto | Method::Bracket(_));
     let channels = || spec.arrays.iter().filter_map(|array| array.output.channel());
-    let needs_motion = |array: &&Array| array.next || array.output.channel().is_none();
+    let needs_motion = |array: &&Array| array.next || (array.output.channel().is_none() && !array.output.is_layer());
     match (&spec.motion, spec.arrays.iter().find(needs_motion)) {
         (None, Some(array)) => {
             let name = format!("{}.{}", array.view(), array.output.name());
