@@ -37,6 +37,7 @@
 //! | show pictures while paths refine them | [`Passes`] |
 //! | get disparity, occlusion and normals | [`GroundTruth`], [`Channel`] |
 //! | get optical flow and scene flow | [`Flow`], [`Renderer::flow`] |
+//! | get ground truth of an array of cameras | [`Rig`], [`Views::pair`], [`Views::pair_below`] |
 //! | get all surfaces behind glass and in mirrors | [`Layers`], [`Renderer::layers`] |
 //! | compare pictures | [`metrics`] |
 //! | trace my own rays | [`Ray`], [`Renderer::closest_hits`] |

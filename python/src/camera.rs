@@ -144,6 +144,12 @@ impl Camera {
         with(self.0, fields)
     }
 
+    /// Returns the camera moved up along the picture's up axis, by a distance in world units; down by a negative one.
+    /// Raises ``ValueError`` as ``Camera`` does.
+    fn raised(&self, distance: f64) -> PyResult<Self> {
+        self.0.raised(distance).map(Self).map_err(raised)
+    }
+
     /// Returns the camera moved about its target by an angle in degrees, around its ``up_direction``. For positive
     /// angles the eye moves to its own right. Raises ``ValueError`` if the moved camera is invalid.
     fn orbited(&self, degrees: f32) -> PyResult<Self> {

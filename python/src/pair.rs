@@ -411,7 +411,7 @@ impl StereoPair {
 /// Views of several eyes on one line, from ``Renderer.render_views``: a sequence of ``View`` in the order of the eyes.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct Views {
-    frame: Arc<RigFrame>,
+    pub(crate) frame: Arc<RigFrame>,
     /// Views in the order of the eyes: a list of ``View``.
     #[pyo3(get)]
     views: Vec<Py<View>>,

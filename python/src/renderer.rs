@@ -13,8 +13,8 @@ use std::{
 use numpy::PyArray1;
 use pyo3::{exceptions::PyRuntimeError, prelude::*, types::PyDict};
 use stereotrace::{
-    Adapter, BvhBuild, Error, Gpu, GroundTruth, Layering, Moment, Progress, Ray, Rig, Update, UploadedScene,
-    blocking::Wait, dataset::FreePoses,
+    Adapter, BvhBuild, Channel, Error, Gpu, GroundTruth, Layering, Maker, Moment, Progress, Ray, Rig, Update,
+    UploadedScene, blocking::Wait, dataset::FreePoses,
 };
 
 use crate::{
@@ -464,6 +464,47 @@ impl Renderer {
             renderer.flow(&frame.pair, now, then).wait()
         })?;
         Ok(Flow::of(flow))
+    }
+
+    /// Returns two of the ``Views`` of ``render_views`` as a ``StereoPair`` with ground truth. ``left`` and ``right`` are
+    /// their indices. ``scene`` is the scene that they show. ``"primitive"`` must be among the views' outputs.
+    ///
+    /// With ``below``, ``left`` is the index of an upper view, and ``right`` of a view of ``below``. These are views of
+    /// the same rig, lowered by ``Camera.raised``. All pictures and arrays are then turned counterclockwise by 90
+    /// degrees, so that rows are epipolar lines: pixel ``[row, column]`` of a turned picture is pixel
+    /// ``[column, width - 1 - row]`` of the view.
+    ///
+    /// Raises ``ValueError`` for views that are not there, not side by side, or not one above the other. Else raises as
+    /// ``render`` does.
+    #[pyo3(signature = (views, scene, left, right, *, below = None))]
+    fn pair_of(
+        &self,
+        py: Python<'_>,
+        views: &Views,
+        scene: &Scene,
+        left: usize,
+        right: usize,
+        below: Option<&Views>,
+    ) -> PyResult<StereoPair> {
+        let frame = &views.frame;
+        let pair = match below {
+            None => frame.views.pair(left, right),
+            Some(below) => frame.views.pair_below(left, (&below.frame.views, right)),
+        };
+        let pair = pair.map_err(raised)?;
+        if pair.left.primitive.is_empty() || pair.right.primitive.is_empty() {
+            return Err(refused("ground truth needs ids: name 'primitive' in outputs when the views are rendered"));
+        }
+        let (pair, truth) = self.work(py, scene, None, |renderer, uploaded, _| {
+            let truth = renderer.ground_truth(uploaded, &scene.inner, &pair).wait()?;
+            Ok((pair, truth))
+        })?;
+        let camera = Camera(pair.pose.camera().map_err(raised)?);
+        let outputs = Channel::ALL.iter().copied().filter(|&channel| {
+            frame.request.has(channel) || channel.maker() == Maker::GroundTruth || channel == Channel::Disparity
+        });
+        let request = Request { options: frame.request.options.clone(), outputs: outputs.collect() };
+        StereoPair::of(py, Frame { pair, truth: Some(truth), camera, request })
     }
 
     /// Returns the ``Layers`` of a pair: all surfaces along the lines of sight through the pixels' centres, and whether

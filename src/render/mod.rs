@@ -1,6 +1,7 @@
 //! Renders scenes: the renderer, scenes on a device, frames, samples, the caller's rays, and results.
 
 mod adaptive;
+mod array;
 mod builder;
 pub(crate) mod cast;
 pub(crate) mod denoise;

@@ -8,6 +8,7 @@ mod truth;
 
 mod adaptive;
 mod around;
+mod arrays;
 mod async_forms;
 mod bracket;
 mod bytes;
