@@ -37,7 +37,7 @@ mod _stereotrace {
         pair::{StereoPair, View, Views},
         passes::Passes,
         pickled::restored,
-        picture::encode_png,
+        picture::{decode_png, encode_png},
         renderer::Renderer,
         scene::Scene,
     };

@@ -1,6 +1,6 @@
 //! Pictures as arrays and PNG files.
 
-use numpy::{IntoPyArray, PyArray3, PyReadonlyArray2, PyReadonlyArray3, ndarray::Array3};
+use numpy::{IntoPyArray, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, ndarray::Array3};
 use pyo3::{prelude::*, types::PyBytes};
 use stereotrace::output::Picture;
 
@@ -50,6 +50,45 @@ pub(crate) fn encoded(
     writer.write_image_data(bytes).map_err(|error| error.to_string())?;
     writer.finish().map_err(|error| error.to_string())?;
     Ok(file)
+}
+
+/// Decodes a PNG file. Returns an array, top row first: uint8 or uint16, ``(height, width)`` for grey, and
+/// ``(height, width, channels)`` for colours. Raises ``ValueError`` for a broken file, one with a palette or fewer than
+/// 8 bits, and one of over 2**28 pixels.
+#[pyfunction]
+pub(crate) fn decode_png<'py>(py: Python<'py>, file: &[u8]) -> PyResult<Bound<'py, PyAny>> {
+    let (info, bytes) = py.detach(|| decoded(file)).map_err(refused)?;
+    let [width, height] = [info.width, info.height].map(|side| side as usize);
+    let channels = info.color_type.samples();
+    let shape = if channels == 1 { vec![height, width] } else { vec![height, width, channels] };
+    Ok(match info.bit_depth {
+        png::BitDepth::Sixteen => {
+            let samples = bytes.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]]));
+            Vec::from_iter(samples).into_pyarray(py).reshape(shape)?.into_any()
+        }
+        _ => bytes.into_pyarray(py).reshape(shape)?.into_any(),
+    })
+}
+
+/// Maximum number of pixels of a PNG file that is decoded.
+const MOST_PIXELS: u64 = 1 << 28;
+
+fn decoded(file: &[u8]) -> Result<(png::OutputInfo, Vec<u8>), String> {
+    let text = |error: png::DecodingError| error.to_string();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().map_err(text)?;
+    let info = reader.info();
+    let small = matches!(info.bit_depth, png::BitDepth::One | png::BitDepth::Two | png::BitDepth::Four);
+    if small || info.color_type == png::ColorType::Indexed {
+        return Err("it has a palette or fewer than 8 bits".into());
+    }
+    if u64::from(info.width) * u64::from(info.height) > MOST_PIXELS {
+        return Err(format!("{}x{} pixels are over 2^28", info.width, info.height));
+    }
+    let size = reader.output_buffer_size().ok_or("it is too large")?;
+    let mut bytes = vec![0; size];
+    let info = reader.next_frame(&mut bytes).map_err(text)?;
+    reader.finish().map_err(text)?;
+    Ok((info, bytes))
 }
 
 /// Encodes a picture as a PNG file and returns its bytes.

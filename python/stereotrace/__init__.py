@@ -49,6 +49,7 @@ from ._stereotrace import (  # noqa: E402
     Views,
     __version__,
     check_options,
+    decode_png,
     encode_png,
 )
 from ._trimesh import from_trimesh
@@ -85,6 +86,7 @@ __all__ = [
     "Views",
     "__version__",
     "check_options",
+    "decode_png",
     "encode_png",
     "from_trimesh",
     "render",

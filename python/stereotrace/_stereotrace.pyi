@@ -39,6 +39,7 @@ __all__ = [
     "__version__",
     "_restored",
     "check_options",
+    "decode_png",
     "encode_png",
 ]
 
@@ -791,4 +792,5 @@ class PairMaker:
 
 def _restored(kind: str, state: bytes) -> Any: ...
 def check_options(**options: Unpack[RenderOptions]) -> None: ...
+def decode_png(file: bytes) -> npt.NDArray[Any]: ...
 def encode_png(picture: npt.NDArray[np.uint8] | npt.NDArray[np.uint16]) -> bytes: ...

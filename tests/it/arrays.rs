@@ -24,7 +24,7 @@ fn two_views_of_a_rig_are_the_pair_of_their_eyes() {
     for screen in [f32::INFINITY, 4.0] {
         let rig = Rig::at(camera(screen), offsets.clone());
         let views = views(&scene, &rig, Method::BRACKET_RAYS);
-        let mut renderer = renderer();
+        let renderer = renderer();
         let uploaded = renderer.upload(&scene).wait().unwrap();
         for (left, right) in [(0, 3), (1, 2), (2, 3)] {
             let pair = views.pair(left, right).unwrap();

@@ -7,7 +7,8 @@
 
 A pair depends only on the spec and its number, so it can be made again anywhere. It is equal bit for bit on the same
 kind of adapter. Shards are written whole or not at all, and a stopped run resumes with the missing ones. The command
-line is ``python -m stereotrace.dataset spec.yaml out/``.
+line is ``python -m stereotrace.dataset spec.yaml out/``. ``python -m stereotrace.dataset.verify out/`` reads a data set
+back, and ``python -m stereotrace.dataset.sheet out/ sheet.png`` shows its pairs.
 """
 
 from __future__ import annotations

@@ -277,6 +277,7 @@ class DataSet:
                 continue
             name = self.spec.shard_name(shard)
             pairs, errors = record.pop("pairs"), record.pop("errors")
+            record.pop("files", None)  # the hashes of a layout's files stay in the shard's record
             add(record)
             for line in [*pairs, *errors]:
                 add({**line, "shard": name})

@@ -226,7 +226,15 @@ class Worker:
 
             for _ in self._each(number, record, done, use):
                 pass
+            hashes = _hashes(Path(folder))
             if self.spec["format"] in ONE_ROOT:
-                return {"file": self.spec.data_name(number), "bytes": store.put_into_root(Path(folder), name)}
-            size = store.put_folder(Path(folder), name)
-        return {"file": self.spec.data_name(number), "bytes": size}
+                size = store.put_into_root(Path(folder), name)
+            else:
+                size = store.put_folder(Path(folder), name)
+        return {"file": self.spec.data_name(number), "bytes": size, "files": hashes}
+
+
+def _hashes(folder: Path) -> dict[str, str]:
+    """Returns the SHA-256 of all files of a folder, by their relative paths."""
+    files = sorted(file for file in folder.rglob("*") if file.is_file())
+    return {file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}

@@ -1,0 +1,108 @@
+"""``python -m stereotrace.dataset.sheet FOLDER SHEET.png``: shows the pairs of a data set as one picture."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import Any
+
+import numpy as np
+
+from stereotrace import encode_png
+
+from .store import Store
+from .verify import pairs, read, spec_of
+
+RAMP = np.array(
+    [(48, 18, 59), (70, 107, 227), (40, 187, 236), (49, 242, 153), (162, 252, 60), (237, 208, 58), (251, 128, 34),
+     (210, 49, 5), (122, 4, 3)]
+)  # fmt: skip
+"""Colours from the least value to the largest one: every 32nd of Google's Turbo."""
+
+
+def sheet(url: str, count: int = 200, width: int = 160, storage_options: dict[str, Any] | None = None) -> Any:
+    """Returns a picture of up to ``count`` pairs, spread evenly over the data set: uint8, ``(height, width, 3)``.
+
+    A pair is its left picture above its disparity, each ``width`` pixels wide. Disparities have the colours of their
+    own range. Data sets without disparity show the left picture only. Raises ``ValueError`` if the folder has no data
+    set with left pictures in tar or Parquet files, and ``OSError`` if it can't be read."""
+    store = Store(url, storage_options)
+    spec = spec_of(store)
+    if spec.is_layout or ("left", "color") not in spec.checked.arrays:
+        raise ValueError(f"{url}: a sheet needs left pictures in tar or Parquet files")
+    chosen = {index * spec["pairs"] // min(count, spec["pairs"]) for index in range(min(count, spec["pairs"]))}
+    tiles = []
+    names = store.names()
+    for shard in range(spec.shards):
+        wanted = chosen.intersection(spec.shard_items(shard))
+        if wanted and spec.data_name(shard) in names:
+            for key, files in pairs(spec, store.read(spec.data_name(shard))):
+                if int(key) in wanted:
+                    tiles.append(_tile(files, width))
+    if not tiles:
+        raise ValueError(f"{url}: it has no pairs yet")
+    across = max(1, round((len(tiles) * tiles[0].shape[0] / tiles[0].shape[1] * 1.5) ** 0.5))
+    blank = np.zeros_like(tiles[0])
+    tiles += [blank] * (-len(tiles) % across)
+    return np.vstack([np.hstack(tiles[row : row + across]) for row in range(0, len(tiles), across)])
+
+
+def _tile(files: dict[str, bytes], width: int) -> Any:
+    found = [_small(read("left.png", files["left.png"]), width)]
+    for name in ("left.disparity.npy", "left.disparity.npy.gz"):
+        if name in files:
+            found.append(_small(_coloured(read(name, files[name])), width))
+    return np.vstack(found)
+
+
+def _small(picture: Any, width: int) -> Any:
+    """Returns a picture of this width, by the means of its pixels."""
+    height = max(1, round(picture.shape[0] * width / picture.shape[1]))
+    sums = np.zeros((picture.shape[0] + 1, picture.shape[1] + 1, 3))
+    sums[1:, 1:] = picture.astype(np.float64).cumsum(0).cumsum(1)
+    rows = np.linspace(0, picture.shape[0], height + 1).round().astype(int)
+    columns = np.linspace(0, picture.shape[1], width + 1).round().astype(int)
+    rows_after, columns_after = np.maximum(rows[1:], rows[:-1] + 1), np.maximum(columns[1:], columns[:-1] + 1)
+    rows_after, columns_after = rows_after.clip(max=picture.shape[0]), columns_after.clip(max=picture.shape[1])
+    rows, columns = np.minimum(rows[:-1], rows_after - 1), np.minimum(columns[:-1], columns_after - 1)
+    total = sums[rows_after][:, columns_after] - sums[rows][:, columns_after]
+    total += sums[rows][:, columns] - sums[rows_after][:, columns]
+    area = (rows_after - rows)[:, None] * (columns_after - columns)[None, :]
+    return (total / area[..., None]).round().astype(np.uint8)
+
+
+def _coloured(values: Any) -> Any:
+    """Returns the colours of values, from the least to the largest one."""
+    known = np.isfinite(values)
+    low, high = (values[known].min(), values[known].max()) if known.any() else (0, 1)
+    place = np.where(known, (values - low) / max(high - low, 1e-9), 0) * (len(RAMP) - 1)
+    colors = [np.interp(place, np.arange(len(RAMP)), RAMP[:, channel]) for channel in range(3)]
+    return np.where(known[..., None], np.stack(colors, axis=-1), 0).astype(np.uint8)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Returns the exit status: 0, or 1 if the sheet can't be made."""
+    parser = argparse.ArgumentParser(
+        prog="python -m stereotrace.dataset.sheet", description="Shows the pairs of a data set as one picture."
+    )
+    parser.add_argument("folder", help="folder of the data set, or its URL")
+    parser.add_argument("sheet", help="PNG file to write")
+    parser.add_argument("--pairs", type=int, default=200, metavar="N", help="number of pairs [default: 200]")
+    parser.add_argument("--width", type=int, default=160, metavar="PX", help="width of a picture [default: 160]")
+    given = parser.parse_args(arguments)
+    if given.pairs < 1 or not 1 <= given.width <= 4096:
+        parser.error("--pairs must be 1 or more, and --width 1 to 4096")
+    try:
+        picture = sheet(given.folder, given.pairs, given.width)
+        file = Store(given.sheet).place("")
+        folder, _, name = file.rstrip("/").rpartition("/")
+        Store(folder or "/").write(name, encode_png(picture))
+    except (ImportError, ValueError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    print(given.sheet)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
