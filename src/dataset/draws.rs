@@ -16,13 +16,68 @@ pub(super) enum Drawn<T> {
     Uniform([T; 2]),
     /// With evenly distributed logarithms.
     LogUniform([T; 2]),
+    /// Normally distributed within limits.
+    Normal(Normal),
     Choice(Vec<T>),
     #[serde(untagged)]
     Value(T),
 }
 
+impl<T: Span> Drawn<T> {
+    /// Returns its choices, or its least and its largest value.
+    pub(super) fn ends(&self) -> Vec<T> {
+        match self {
+            Self::Value(value) => vec![*value],
+            Self::Uniform(ends) | Self::LogUniform(ends) => ends.to_vec(),
+            Self::Normal(normal) => normal.limits.map(T::of).to_vec(),
+            Self::Choice(choices) => choices.clone(),
+        }
+    }
+}
+
+/// A normal distribution between two limits. It is written as `[mean, deviation, low, high]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(into = "[f64; 4]")]
+pub(super) struct Normal {
+    pub(super) mean: f64,
+    pub(super) deviation: f64,
+    pub(super) limits: [f64; 2],
+}
+
+impl From<Normal> for [f64; 4] {
+    fn from(Normal { mean, deviation, limits: [low, high] }: Normal) -> Self {
+        [mean, deviation, low, high]
+    }
+}
+
+impl Normal {
+    /// Returns the shares of the normal distribution that lie below the two limits.
+    pub(super) fn shares(&self) -> [f64; 2] {
+        self.limits.map(|limit| share_below((limit - self.mean) / self.deviation))
+    }
+
+    /// Returns the value below which a share of the values lies, by bisection.
+    fn at(&self, share: f64) -> f64 {
+        let [below, above] = self.shares();
+        let wanted = below + share * (above - below);
+        let [mut low, mut high] = self.limits.map(|limit| (limit - self.mean) / self.deviation);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if share_below(middle) < wanted { low = middle } else { high = middle }
+        }
+        self.mean + self.deviation * 0.5 * (low + high)
+    }
+}
+
+/// Returns the share of a standard normal distribution below a value.
+fn share_below(value: f64) -> f64 {
+    0.5 * libm::erfc(-value * std::f64::consts::FRAC_1_SQRT_2)
+}
+
 /// Values of which ranges exist.
 pub(super) trait Span: Copy {
+    /// Returns the value for a number.
+    fn of(number: f64) -> Self;
     /// Returns the value at a share of the range, 0 to 1.
     fn between(low: Self, high: Self, share: f64) -> Self;
     /// Returns the value at a share of the range of logarithms.
@@ -30,6 +85,10 @@ pub(super) trait Span: Copy {
 }
 
 impl Span for f64 {
+    fn of(number: f64) -> Self {
+        rounded(number)
+    }
+
     fn between(low: Self, high: Self, share: f64) -> Self {
         rounded(low + share * (high - low))
     }
@@ -40,6 +99,10 @@ impl Span for f64 {
 }
 
 impl Span for Distance {
+    fn of(number: f64) -> Self {
+        Self(f64::of(number))
+    }
+
     fn between(low: Self, high: Self, share: f64) -> Self {
         Self(f64::between(low.0, high.0, share))
     }
@@ -50,6 +113,10 @@ impl Span for Distance {
 }
 
 impl Span for u32 {
+    fn of(number: f64) -> Self {
+        rounded(number).round() as Self
+    }
+
     fn between(low: Self, high: Self, share: f64) -> Self {
         ((f64::from(low) + share * (f64::from(high) + 1.0 - f64::from(low))) as Self).min(high)
     }
@@ -84,8 +151,14 @@ impl Draws {
             Drawn::Value(value) => *value,
             Drawn::Uniform([low, high]) => T::between(*low, *high, self.unit(name)),
             Drawn::LogUniform([low, high]) => T::log_between(*low, *high, self.unit(name)),
-            Drawn::Choice(choices) => choices[(self.unit(name) * choices.len() as f64) as usize],
+            Drawn::Normal(normal) => T::of(normal.at(self.unit(name))),
+            Drawn::Choice(choices) => choices[self.index(choices.len(), name)],
         }
+    }
+
+    /// Draws an index below `count`.
+    pub(super) fn index(&self, count: usize, name: &str) -> usize {
+        (self.unit(name) * count as f64) as usize
     }
 
     /// Draws an index by weights.
@@ -135,6 +208,28 @@ mod tests {
         assert!((mean - 0.1_f64.ln()).abs() < 0.1, "{mean}");
         let second = draws().filter(|draws| draws.weighted(&[1.0, 2.0, 0.0], "scene") == 1).count();
         assert!((second as f64 / 2000.0 - 2.0 / 3.0).abs() < 0.04, "{second}");
+    }
+
+    #[test]
+    fn normal_values_have_their_mean_and_deviation_within_their_limits() {
+        let values = |limits| {
+            let normal = Drawn::Normal(Normal { mean: 2.0, deviation: 0.5, limits });
+            Vec::from_iter(draws().map(|draws| draws.draw(&normal, "n")))
+        };
+        let moments = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let squares = values.iter().map(|value| (value - mean) * (value - mean));
+            (mean, (squares.sum::<f64>() / values.len() as f64).sqrt())
+        };
+        let (mean, deviation) = moments(&values([-1.0, 5.0]));
+        assert!((mean - 2.0).abs() < 0.04 && (deviation - 0.5).abs() < 0.03, "{mean} {deviation}");
+        // Above its mean, the distribution is half a normal one: its mean is the deviation times sqrt(2 / pi) higher.
+        let half = values([2.0, 7.0]);
+        let expected = 2.0 + 0.5 * (2.0 / std::f64::consts::PI).sqrt();
+        assert!(half.iter().all(|value| *value >= 2.0) && (moments(&half).0 - expected).abs() < 0.03, "{half:?}");
+        let whole = Drawn::Normal(Normal { mean: 3.0, deviation: 1.0, limits: [1.0, 4.0] });
+        let counts = Vec::from_iter(draws().map(|draws| draws.draw::<u32>(&whole, "n")));
+        assert!((1..=4).all(|count| counts.contains(&count)) && counts.iter().all(|count| (1..=4).contains(count)));
     }
 
     #[test]

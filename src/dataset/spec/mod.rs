@@ -8,7 +8,10 @@ use std::path::{Path, PathBuf};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
-use super::{Layout, draws::Drawn};
+use super::{
+    Layout,
+    draws::{Drawn, Draws},
+};
 use crate::{Builtin, Channel, Equirectangular, Error, Layering, Options, PoleMerge, Span};
 
 /// The checked spec of a data set.
@@ -47,12 +50,42 @@ pub struct Spec {
     /// Folder that paths of files are relative to. It is not part of the data set's identity.
     #[serde(skip)]
     pub(super) folder: PathBuf,
-    /// Options of rendering.
+    /// Options of rendering. Drawn ones have one of their values.
     #[serde(skip)]
     pub(super) options: Options,
+    /// Names and distributions of drawn options.
+    #[serde(skip)]
+    drawn_options: Vec<(String, DrawnOption)>,
     /// Output arrays of the eyes, in the order of files.
     #[serde(skip)]
     arrays: Vec<Array>,
+}
+
+/// Distribution of an option of rendering.
+#[derive(Clone, Debug)]
+enum DrawnOption {
+    Choice(Vec<String>),
+    Number(Drawn<f64>),
+    Whole(Drawn<u32>),
+}
+
+impl DrawnOption {
+    /// Returns the texts of its choices, or of its least and its largest value.
+    fn ends(&self) -> Vec<String> {
+        match self {
+            Self::Choice(choices) => choices.clone(),
+            Self::Number(drawn) => Vec::from_iter(drawn.ends().iter().map(f64::to_string)),
+            Self::Whole(drawn) => Vec::from_iter(drawn.ends().iter().map(u32::to_string)),
+        }
+    }
+
+    fn draw(&self, draws: &Draws, name: &str) -> String {
+        match self {
+            Self::Choice(choices) => choices[draws.index(choices.len(), name)].clone(),
+            Self::Number(drawn) => draws.draw(drawn, name).to_string(),
+            Self::Whole(drawn) => draws.draw(drawn, name).to_string(),
+        }
+    }
 }
 
 /// An output array of an item.
@@ -548,6 +581,13 @@ impl Spec {
         &self.arrays
     }
 
+    /// Returns a pair's options of rendering.
+    pub(super) fn options_of(&self, draws: &Draws) -> Result<Options, Error> {
+        self.drawn_options.iter().try_fold(self.options.clone(), |options, (name, drawn)| {
+            options.set(name, &drawn.draw(draws, &format!("render.{name}")))
+        })
+    }
+
     /// Returns whether arrays of the first or the next pair are layers.
     pub(super) fn needs_layers(&self, next: bool) -> bool {
         self.arrays.iter().any(|array| array.next == next && array.output.is_layer())
@@ -565,3 +605,6 @@ impl Spec {
         self.folder.join(file)
     }
 }
+
+#[cfg(test)]
+mod tests;

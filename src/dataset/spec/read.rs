@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use serde_json::{Map, Value};
 
 use super::{
-    AroundEntry, Array, CameraEntry, CameraMotion, Distance, Eye, Format, LayersEntry, LightEntry, Lights, MergeEntry,
-    Motion, ObjectMotion, OriginEntry, Output, Poses, RandomLights, RandomMaterials, Randomise, Rig, SceneEntry,
-    SkyEntry, Source, Spec,
+    AroundEntry, Array, CameraEntry, CameraMotion, Distance, DrawnOption, Eye, Format, LayersEntry, LightEntry, Lights,
+    MergeEntry, Motion, ObjectMotion, OriginEntry, Output, Poses, RandomLights, RandomMaterials, Randomise, Rig,
+    SceneEntry, SkyEntry, Source, Spec,
     fields::{
         Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
         text, whole, within,
@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     Builtin, Channel, Error, Layering, Lighting, Maker, Method, Options, PoleMerge,
-    dataset::draws::{Drawn, PLACES, Span},
+    dataset::draws::{Drawn, Normal, PLACES, Span},
 };
 
 /// Maximum number of pairs.
@@ -61,7 +61,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
         }
     }
     let is_layout = format.layout().is_some();
-    let (render, options) = render.unwrap_or_default();
+    let Render { given: render, options, drawn: drawn_options, ends } = render.unwrap_or_default();
     let (names, arrays) = outputs.unwrap_or_else(|| arrays(["color", "disparity", "occlusion"].map(String::from)));
     let has_layers = arrays.iter().any(|array| array.output.is_layer());
     let default_size = match rig.as_ref().and_then(|rig: &Rig| rig.around).map(|around| around.projection) {
@@ -87,9 +87,12 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
         compress: (!is_layout).then(|| compress.unwrap_or(false)),
         folder,
         options,
+        drawn_options,
         arrays,
     };
-    check_together(&spec)?;
+    for options in ends {
+        check_together(&Spec { options, ..spec.clone() })?;
+    }
     Ok(spec)
 }
 
@@ -110,15 +113,44 @@ fn drawn<T: Span>(of: impl Fn(&Value, &str) -> Result<T, Error>) -> impl Fn(&Val
         match only.map(|(kind, value)| (kind.as_str(), value)) {
             Some((kind @ "uniform", value)) => ends(kind, value).map(Drawn::Uniform),
             Some((kind @ "log_uniform", value)) => ends(kind, value).map(Drawn::LogUniform),
+            Some(("normal", value)) => normal(&of, value, &format!("{at}.normal")).map(Drawn::Normal),
             Some(("choice", value)) => match list(&of)(value, &format!("{at}.choice"))? {
                 choices if choices.is_empty() => fault(&format!("{at}.choice"), "there is nothing to choose from"),
                 choices => Ok(Drawn::Choice(choices)),
             },
             _ => {
-                let kinds = "uniform, log_uniform, choice";
+                let kinds = "uniform, log_uniform, normal, choice";
                 fault(at, format!("{} must be a value, or a mapping of one key: {kinds}", shown(value)))
             }
         }
+    }
+}
+
+/// Reads `[mean, deviation]` or `[mean, deviation, low, high]`. Both limits must be valid values. By default they are
+/// six deviations from the mean.
+fn normal<T>(of: &impl Fn(&Value, &str) -> Result<T, Error>, value: &Value, at: &str) -> Result<Normal, Error> {
+    let numbers = list(finite)(value, at)?;
+    let (mean, deviation, limits) = match numbers[..] {
+        [mean, deviation] => (mean, deviation, [mean - 6.0 * deviation, mean + 6.0 * deviation]),
+        [mean, deviation, low, high] => (mean, deviation, [low, high]),
+        _ => return fault(at, "it must be [mean, deviation] or [mean, deviation, low, high]"),
+    };
+    let found = Normal { mean, deviation, limits };
+    if deviation <= 0.0 || limits[0] >= limits[1] {
+        return fault(at, format!("{} must have a deviation above 0, and a low and a high limit", shown(value)));
+    }
+    for limit in limits {
+        let whole = Value::from(limit as i64);
+        let limit = if limit.fract() == 0.0 { whole } else { Value::from(limit) };
+        of(&limit, at).map_err(|error| match error {
+            Error::Spec { key, reason } => Error::Spec { key, reason: format!("its limit {reason}") },
+            other => other,
+        })?;
+    }
+    let [below, above] = found.shares();
+    match above - below > 1e-9 {
+        true => Ok(found),
+        false => fault(at, format!("{} has hardly any values between its limits", shown(value))),
     }
 }
 
@@ -385,12 +417,22 @@ fn random_materials(value: &Value, at: &str) -> Result<RandomMaterials, Error> {
     Ok(found)
 }
 
+/// Options of rendering as they are given and as they are read.
+#[derive(Default)]
+struct Render {
+    given: Map<String, Value>,
+    options: Options,
+    drawn: Vec<(String, DrawnOption)>,
+    /// The options with each end of each distribution.
+    ends: Vec<Options>,
+}
+
 /// Reads options of rendering by name.
-fn render(value: &Value, at: &str) -> Result<(Map<String, Value>, Options), Error> {
+fn render(value: &Value, at: &str) -> Result<Render, Error> {
     let Value::Object(map) = value else {
         return fault(at, format!("{} must be a mapping of options to values", shown(value)));
     };
-    let mut options = Options::default();
+    let (mut options, mut drawn) = (Options::default(), Vec::new());
     for (name, value) in map {
         match name.as_str() {
             "outputs" => return fault(&format!("{at}.outputs"), "use the key outputs"),
@@ -398,11 +440,41 @@ fn render(value: &Value, at: &str) -> Result<(Map<String, Value>, Options), Erro
             "count" => return fault(&format!("{at}.count"), "data sets have no counters"),
             _ => {}
         }
-        let text = option_text(name, value, at)?;
+        let text = match value {
+            Value::Object(_) => {
+                let found = drawn_option(name, value, at)?;
+                let first = found.ends().remove(0);
+                drawn.push((name.clone(), found));
+                first
+            }
+            _ => option_text(name, value, at)?,
+        };
         options = options.set(name, &text).or_else(|error| fault(at, error.to_string()))?;
     }
-    options.check().or_else(|error| fault(at, error.to_string()))?;
-    Ok((map.clone(), options))
+    let each_end = drawn.iter().flat_map(|(name, drawn)| drawn.ends().into_iter().map(move |text| (name, text)));
+    let mut ends = vec![options.clone()];
+    for (name, text) in each_end {
+        ends.push(options.clone().set(name, &text).or_else(|error| fault(at, error.to_string()))?);
+    }
+    ends.iter().try_for_each(Options::check).or_else(|error| fault(at, error.to_string()))?;
+    Ok(Render { given: map.clone(), options, drawn, ends })
+}
+
+/// Reads a distribution of an option's values. The numbers of `uniform` and the like are whole if all are given so.
+fn drawn_option(name: &str, value: &Value, at: &str) -> Result<DrawnOption, Error> {
+    let path = format!("{at}.{name}");
+    if let Some(choices) = value.get("choice").filter(|_| value.as_object().is_some_and(|map| map.len() == 1)) {
+        let texts = list(|value: &Value, _: &str| option_text(name, value, at))(choices, &format!("{path}.choice"))?;
+        return match texts.is_empty() {
+            true => fault(&format!("{path}.choice"), "there is nothing to choose from"),
+            false => Ok(DrawnOption::Choice(texts)),
+        };
+    }
+    let numbers = value.as_object().and_then(|map| map.values().next()?.as_array());
+    match numbers.is_some_and(|numbers| numbers.iter().all(Value::is_u64)) {
+        true => drawn(whole(0, u32::MAX))(value, &path).map(DrawnOption::Whole),
+        false => drawn(finite)(value, &path).map(DrawnOption::Number),
+    }
 }
 
 /// Returns an option's value as [`Options::set`] reads it: `null` is `off`, and a list of two is joined by a colon.
