@@ -687,7 +687,7 @@ def test_any_storage_of_fsspec(made):
         ({"format": "zip"}, "format: unknown 'zip'; use one of webdataset, parquet, middlebury"),
         ({"size": [640]}, r"size: \[640\] must be a list of 2"),
         ({"scenes": []}, "scenes: at least one scene must have a weight above 0"),
-        ({"scenes": [{}]}, r"scenes\[0\]: give a file, or the name of a built-in scene"),
+        ({"scenes": [{}]}, r"scenes\[0\]: give a file, the name of a built-in scene, or the kind of"),
         ({"scenes": [{"builtin": "halle"}]}, r"scenes\[0\].builtin: unknown 'halle'"),
         ({"scenes": [{"builtin": "hall", "weight": -1}]}, r"scenes\[0\].weight"),
         ({"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0]}}]}, "give both eye and target"),

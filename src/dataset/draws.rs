@@ -136,14 +136,33 @@ pub(super) fn rounded(value: f64) -> f64 {
 pub(super) struct Draws {
     pub(super) seed: u32,
     pub(super) item: u32,
+    /// Number of rejected pairs of this item before.
+    pub(super) attempt: u32,
 }
 
 impl Draws {
     /// Returns the random number of this name, from 0 up to 1, excluding 1. Other draws do not affect it.
     pub(super) fn unit(&self, name: &str) -> f64 {
-        let hash = Sha256::digest(format!("{}/{}/{name}", self.seed, self.item));
-        let bits = hash.iter().take(8).fold(0, |bits, &byte| (bits << 8) | u64::from(byte));
-        (bits >> 11) as f64 / (1_u64 << 53) as f64
+        (self.bits(name) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Returns a random word of this name, as the seed of a sequence.
+    pub(super) fn word(&self, name: &str) -> u32 {
+        (self.bits(name) >> 32) as u32
+    }
+
+    fn bits(&self, name: &str) -> u64 {
+        let Self { seed, item, attempt } = self;
+        let hash = match attempt {
+            0 => Sha256::digest(format!("{seed}/{item}/{name}")),
+            _ => Sha256::digest(format!("{seed}/{item}/attempt {attempt}/{name}")),
+        };
+        hash.iter().take(8).fold(0, |bits, &byte| (bits << 8) | u64::from(byte))
+    }
+
+    /// Returns the seed of free poses.
+    pub(super) fn pose_seed(&self) -> u32 {
+        if self.attempt == 0 { self.seed } else { self.word("poses") }
     }
 
     pub(super) fn draw<T: Span>(&self, value: &Drawn<T>, name: &str) -> T {
@@ -179,12 +198,12 @@ mod tests {
     use super::*;
 
     fn draws() -> impl Iterator<Item = Draws> {
-        (0..2000).map(|item| Draws { seed: 11, item })
+        (0..2000).map(|item| Draws { seed: 11, item, attempt: 0 })
     }
 
     #[test]
     fn numbers_are_the_same_on_every_machine() {
-        assert_eq!(Draws { seed: 11, item: 5 }.unit("scene"), 0.099_475_730_580_633_97);
+        assert_eq!(Draws { seed: 11, item: 5, attempt: 0 }.unit("scene"), 0.099_475_730_580_633_97);
     }
 
     #[test]

@@ -4,7 +4,14 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use serde::Serialize;
 
-use super::{Spec, draws::Draws, poses::RandomPose, stage::Stage};
+use super::{
+    Spec, checks,
+    draws::Draws,
+    figures::{percentiles, thin_count},
+    generate::Assets,
+    poses::RandomPose,
+    stage::{Stage, generator_sha256},
+};
 use crate::{
     Channel, Error, Flow, GroundTruth, Layers, Maker, Moment, Occlusion, OnProgress, Renderer, Scene, StereoCamera,
     StereoPair, UploadedScene,
@@ -46,6 +53,8 @@ struct Scenes {
     /// Reasons why scenes can't be read. They are not read again for every pair.
     faults: BTreeMap<usize, Arc<Error>>,
     read: Vec<usize>,
+    /// Files of the folders that generated scenes use, with the hash of all that they depend on, by index.
+    assets: BTreeMap<usize, (Assets, String)>,
 }
 
 /// A pair of a data set.
@@ -118,14 +127,23 @@ pub struct Record {
     /// Percentage of pixels outside the right view, if ground truth was computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out_of_frame_percent: Option<f64>,
+    /// Disparities in pixels that 1, 5, 25, 50, 75, 95 and 99 percent of the surfaces' pixels do not exceed; `None` if
+    /// there are no surfaces.
+    pub disparity_percentiles: Option<[f64; 7]>,
+    /// Percentage of pixels on thin structures: runs in a row of at most a 64th of the width (at least one pixel)
+    /// before something that is farther by 5% or more on both sides.
+    pub thin_percent: f64,
+    /// Reasons for which earlier attempts at the pair were rejected.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rejects: Vec<String>,
 }
 
 impl PairMaker {
     /// Creates a maker that keeps 1 GiB of scenes.
     pub fn new(spec: Spec) -> Self {
         let hashes = vec![None; spec.scenes.len()];
-        let (stages, faults, read) = (Vec::new(), BTreeMap::new(), Vec::new());
-        let scenes = Scenes { memory: SCENE_MEMORY, hashes, stages, faults, read };
+        let (stages, faults, read, assets) = (Vec::new(), BTreeMap::new(), Vec::new(), BTreeMap::new());
+        let scenes = Scenes { memory: SCENE_MEMORY, hashes, stages, faults, read, assets };
         Self { spec, more: Vec::new(), scenes }
     }
 
@@ -192,30 +210,42 @@ impl PairMaker {
         self.draws(item).weighted(&weights, "scene")
     }
 
-    /// Returns a scene with the lights and materials of the last pair, and reads it if it is not in memory.
+    /// Returns a scene with the lights and materials of the last pair, and reads it if it is not in memory. A generated
+    /// scene is that of the last pair, or that of the first item.
     ///
     /// # Errors
     /// [`Error::DataSetScene`] if the scene can't be read or has another hash than expected; [`Error::Spec`] for an
     /// index out of range.
     pub fn scene(&mut self, index: usize) -> Result<&Scene, Error> {
-        Ok(&self.scenes.stage(&self.spec, index)?.scene)
+        let kept = self.scenes.stages.iter().find(|(kept, _)| *kept == index);
+        let draws = match kept.and_then(|(_, stage)| stage.made_for) {
+            Some([item, attempt]) => Draws { attempt, ..self.draws(item) },
+            None => self.draws(0),
+        };
+        Ok(&self.scenes.stage(&self.spec, index, &draws)?.scene)
     }
 
-    /// Returns a SHA-256 of everything that pictures of a scene depend on: its content and its camera in the spec.
+    /// Returns a SHA-256 of everything that pictures of a scene depend on: its content and its camera in the spec. For
+    /// generated scenes, it covers the options, the generator's version and the contents of the user's folders.
     ///
     /// # Errors
     /// The errors of [`PairMaker::scene`].
     pub fn scene_sha256(&mut self, index: usize) -> Result<String, Error> {
-        let stage = self.scenes.stage(&self.spec, index)?;
+        if self.spec.generator(index).is_some() {
+            return Ok(self.scenes.assets(&self.spec, index)?.1.clone());
+        }
+        let draws = self.draws(0);
+        let stage = self.scenes.stage(&self.spec, index, &draws)?;
         stage.undress();
         stage.sha256(&self.spec, index).map_err(|error| Error::DataSetScene { index, source: error.into() })
     }
 
-    /// Makes a pair. Scenes are uploaded to the renderer's device, to a new device too.
+    /// Makes a pair. Scenes are uploaded to the renderer's device, to a new device too. If the scene has checks, a
+    /// rejected pair is drawn again.
     ///
     /// # Errors
     /// The errors of [`PairMaker::scene`], [`FreePoses::find`](super::FreePoses::find), [`Renderer::pair`] and
-    /// [`Renderer::ground_truth`]; [`Error::Spec`] for a number out of range.
+    /// [`Renderer::ground_truth`]; [`Error::Spec`] for a number out of range, and if all attempts were rejected.
     pub async fn pair(
         &mut self,
         renderer: &mut Renderer,
@@ -223,16 +253,47 @@ impl PairMaker {
         progress: &mut OnProgress<'_>,
     ) -> Result<MadePair, Error> {
         self.check_item(item)?;
-        let (index, draws) = (self.scene_of(item), self.draws(item));
-        let stage = self.scenes.stage(&self.spec, index)?;
-        stage.seek(&self.spec, &draws)?;
-        let RandomPose { camera, tries } = stage.posed(renderer, &self.spec, index, &draws).await?;
-        let mut made = self.pair_from(renderer, item, camera, progress).await?;
+        let index = self.scene_of(item);
+        let Some(limits) = self.spec.scenes[index].limits().copied() else {
+            return self.attempt(renderer, &self.draws(item), progress).await;
+        };
+        let mut rejects = Vec::new();
+        for attempt in 0..=limits.redraws {
+            let draws = Draws { attempt, ..self.draws(item) };
+            let fault = match self.attempt(renderer, &draws, progress).await {
+                Ok(mut made) => match checks::fault(&made.pair, &limits) {
+                    None => {
+                        made.record.rejects = rejects;
+                        return Ok(made);
+                    }
+                    Some(fault) => fault,
+                },
+                Err(Error::Options { option: "poses", reason }) => reason,
+                Err(error) => return Err(error),
+            };
+            rejects.push(fault);
+        }
+        let reason = format!("item {item} was rejected {} times: {}", rejects.len(), rejects.join("; "));
+        Err(Error::Spec { key: format!("scenes[{index}].checks"), reason })
+    }
+
+    /// Makes a pair by these draws, whatever it shows.
+    async fn attempt(
+        &mut self,
+        renderer: &mut Renderer,
+        draws: &Draws,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<MadePair, Error> {
+        let index = self.scene_of(draws.item);
+        let stage = self.scenes.stage(&self.spec, index, draws)?;
+        stage.seek(&self.spec, draws)?;
+        let RandomPose { camera, tries } = stage.posed(renderer, &self.spec, index, draws).await?;
+        let mut made = self.drawn(renderer, draws, camera, progress).await?;
         made.record.tries = Some(tries);
         Ok(made)
     }
 
-    /// Makes a pair from a given camera.
+    /// Makes a pair from a given camera. It is not checked.
     ///
     /// # Errors
     /// The errors of [`PairMaker::pair`] except those of poses.
@@ -244,11 +305,22 @@ impl PairMaker {
         progress: &mut OnProgress<'_>,
     ) -> Result<MadePair, Error> {
         self.check_item(item)?;
-        let (index, draws, channels) = (self.scene_of(item), self.draws(item), self.channels());
-        let stage = self.scenes.stage(&self.spec, index)?;
+        self.drawn(renderer, &self.draws(item), camera, progress).await
+    }
+
+    /// Makes a pair by these draws from a given camera.
+    async fn drawn(
+        &mut self,
+        renderer: &mut Renderer,
+        draws: &Draws,
+        camera: StereoCamera,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<MadePair, Error> {
+        let (item, index, channels) = (draws.item, self.scene_of(draws.item), self.channels());
+        let stage = self.scenes.stage(&self.spec, index, draws)?;
         let spec = &self.spec;
-        stage.seek(spec, &draws)?;
-        stage.dress(spec, index, &draws, &camera)?;
+        stage.seek(spec, draws)?;
+        stage.dress(spec, index, draws, &camera)?;
         if let Err(error) = stage.bring(renderer).await {
             stage.undress(); // the next pair may be valid
             return Err(error);
@@ -268,7 +340,7 @@ impl PairMaker {
         let next = match &spec.motion {
             None => None,
             Some(motion) => {
-                let next_camera = stage.advance(renderer, motion, &draws, camera).await?;
+                let next_camera = stage.advance(renderer, motion, draws, camera).await?;
                 let (scene, uploaded) = stage.next()?;
                 let next = renderer.pair(uploaded, &next_camera).options(&options).read().await?;
                 let truth = match needs_truth {
@@ -295,7 +367,7 @@ impl PairMaker {
     }
 
     fn draws(&self, item: u32) -> Draws {
-        Draws { seed: self.spec.seed, item }
+        Draws { seed: self.spec.seed, item, attempt: 0 }
     }
 }
 
@@ -314,15 +386,21 @@ async fn layers_of(
 }
 
 impl Scenes {
-    /// Moves a scene to the end of the list, and reads it if it is not there.
-    fn stage(&mut self, spec: &Spec, index: usize) -> Result<&mut Stage, Error> {
+    /// Moves a scene to the end of the list, and reads or generates it if it is not there.
+    fn stage(&mut self, spec: &Spec, index: usize, draws: &Draws) -> Result<&mut Stage, Error> {
         if index >= spec.scenes.len() {
             let reason = format!("no scene {index}; there are {}", spec.scenes.len());
             return Err(Error::Spec { key: "scenes".into(), reason });
         }
+        self.stages.retain(|(kept, stage)| *kept != index || !stage.is_for_another(draws));
         let kept = self.stages.iter().position(|(kept, _)| *kept == index);
         let stage = match kept {
             Some(place) => self.stages.remove(place).1,
+            None if spec.generator(index).is_some() => {
+                let (assets, _) = self.assets(spec, index)?;
+                Stage::generated(spec, index, assets, draws)
+                    .map_err(|error| Error::DataSetScene { index, source: error.into() })?
+            }
             None => self.opened(spec, index)?,
         };
         self.stages.push((index, stage));
@@ -334,17 +412,46 @@ impl Scenes {
         Ok(stage)
     }
 
+    /// Returns the files of a generated scene's folders, and the hash of all that it depends on. They are read once.
+    fn assets(&mut self, spec: &Spec, index: usize) -> Result<&(Assets, String), Error> {
+        if !self.assets.contains_key(&index) {
+            let found = self.read_once(spec, index, |spec, index| {
+                let Some(options) = spec.generator(index) else { unreachable!("the caller asks for generated scenes") };
+                let assets = Assets::open(spec, options)?;
+                let hash = generator_sha256(spec, index, &assets)?;
+                Ok(((assets, hash.clone()), Some(hash)))
+            })?;
+            self.assets.insert(index, found);
+        }
+        Ok(&self.assets[&index])
+    }
+
     fn opened(&mut self, spec: &Spec, index: usize) -> Result<Stage, Error> {
+        let is_expected = self.hashes[index].is_some();
+        self.read_once(spec, index, |spec, index| {
+            let stage = Stage::open(spec, index)?;
+            let hash = if is_expected { Some(stage.sha256(spec, index)?) } else { None };
+            Ok((stage, hash))
+        })
+    }
+
+    /// Reads the files of a scene, and checks its hash. After an error, they are not read again.
+    fn read_once<T>(
+        &mut self,
+        spec: &Spec,
+        index: usize,
+        read: impl FnOnce(&Spec, usize) -> Result<(T, Option<String>), Error>,
+    ) -> Result<T, Error> {
         if let Some(source) = self.faults.get(&index) {
             return Err(Error::DataSetScene { index, source: source.clone() });
         }
         self.read.push(index);
-        let name = spec.scene_name(index);
-        let checked = Stage::open(spec, index).and_then(|stage| match &self.hashes[index] {
-            Some(expected) if stage.sha256(spec, index)? != *expected => {
-                Err(Error::Spec { key: name, reason: "it has changed since the data set was begun".into() })
-            }
-            _ => Ok(stage),
+        let checked = read(spec, index).and_then(|(found, hash)| match &self.hashes[index] {
+            Some(expected) if hash.as_ref() != Some(expected) => Err(Error::Spec {
+                key: spec.scene_name(index),
+                reason: "it has changed since the data set was begun".into(),
+            }),
+            _ => Ok(found),
         });
         checked.map_err(|error| {
             let source = Arc::new(error);
@@ -361,11 +468,13 @@ fn record(item: u32, scene: String, pair: &StereoPair, truth: Option<&GroundTrut
     let nearest = pair.left.depth_range().0;
     let disparities = pair.disparity();
     let surfaces = disparities.iter().zip(depth).filter(|(_, depth)| depth.is_finite());
-    let range = surfaces.fold(None, |range: Option<[f64; 2]>, (&disparity, _)| {
+    let surfaces: Vec<f32> = surfaces.map(|(disparity, _)| *disparity).collect();
+    let range = surfaces.iter().fold(None, |range: Option<[f64; 2]>, &disparity| {
         let disparity = f64::from(disparity);
         let [low, high] = range.unwrap_or([disparity; 2]);
         Some([low.min(disparity), high.max(disparity)])
     });
+    let width = pose.size[0] as usize;
     Record {
         item,
         scene,
@@ -381,5 +490,8 @@ fn record(item: u32, scene: String, pair: &StereoPair, truth: Option<&GroundTrut
         sky_percent: percent(depth.iter().filter(|depth| depth.is_infinite()).count()),
         hidden_percent: of(Occlusion::Hidden),
         out_of_frame_percent: of(Occlusion::OutOfFrame),
+        disparity_percentiles: percentiles(surfaces),
+        thin_percent: percent(thin_count(depth, width)),
+        rejects: Vec::new(),
     }
 }

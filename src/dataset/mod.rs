@@ -4,7 +4,13 @@
 //! any order.
 
 #[cfg(feature = "dataset")]
+mod checks;
+#[cfg(feature = "dataset")]
 mod draws;
+#[cfg(feature = "dataset")]
+mod figures;
+#[cfg(feature = "dataset")]
+mod generate;
 mod layout;
 #[cfg(feature = "dataset")]
 mod maker;

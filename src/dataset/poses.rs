@@ -45,6 +45,8 @@ pub struct FreePoses<'a> {
     clearance: f32,
     disparity: f32,
     surfaces: f32,
+    /// Eye and target of the candidates, or empty for random ones.
+    given: &'a [[DVec3; 2]],
 }
 
 /// Accepted random camera.
@@ -79,7 +81,7 @@ impl<'a> FreePoses<'a> {
             return Err(Error::Scene { element: "the scene".into(), reason });
         }
         let (clearance, surfaces) = (2.0 * pose.interaxial, if is_inside(scene, pose.eye) { 0.5 } else { 0.1 });
-        Ok(Self { scene, camera, seed, clearance, disparity: f32::INFINITY, surfaces })
+        Ok(Self { scene, camera, seed, clearance, disparity: f32::INFINITY, surfaces, given: &[] })
     }
 
     /// Sets the minimum distance of surfaces from the midpoint between the eyes, in world units; twice the interaxial
@@ -102,6 +104,14 @@ impl<'a> FreePoses<'a> {
         self
     }
 
+    /// Sets the candidates in place of random ones, by eye and target. They are in free space, and may be near sheets
+    /// whose both sides are visible, so other sides of objects do not count.
+    #[cfg(feature = "dataset")]
+    pub(super) fn among(mut self, given: &'a [[DVec3; 2]]) -> Self {
+        self.given = given;
+        self
+    }
+
     /// Returns the camera of an item, which depends only on the scene, the camera, the seed and the item's number.
     ///
     /// # Errors
@@ -109,16 +119,23 @@ impl<'a> FreePoses<'a> {
     /// [`Renderer::closest_hits`].
     pub async fn find(&self, renderer: &Renderer, uploaded: &UploadedScene, item: u32) -> Result<RandomPose, Error> {
         let given = self.camera.pose()?;
-        let sides = self.sides(given.eye, &self.around(renderer, uploaded, given.eye).await?);
+        let sides = match self.given.is_empty() {
+            true => self.sides(given.eye, &self.around(renderer, uploaded, given.eye).await?),
+            false => HashMap::new(),
+        };
         let mut random = Random(pcg(pcg(self.seed).wrapping_add(item)));
         let mut rejected = Rejected::default();
-        for tries in 1..=TRIES {
-            let camera = self.candidate(&given, &mut random);
+        let most = if self.given.is_empty() { TRIES } else { self.given.len() as u32 };
+        for tries in 1..=most {
+            let camera = match self.given.get(tries as usize - 1) {
+                Some([eye, target]) => self.camera.eye(*eye).target(*target),
+                None => self.candidate(&given, &mut random),
+            };
             let Ok(pose) = camera.pose() else { continue };
             let around = self.around(renderer, uploaded, pose.eye).await?;
             if around.iter().any(|hit| hit.t < self.clearance) {
                 rejected.near += 1;
-            } else if self.other_sides(pose.eye, &around, &sides) > OTHER_SIDES {
+            } else if self.given.is_empty() && self.other_sides(pose.eye, &around, &sides) > OTHER_SIDES {
                 rejected.behind += 1;
             } else if self.shows_enough(renderer, uploaded, &pose, &mut rejected).await? {
                 return Ok(RandomPose { camera, tries });
@@ -126,7 +143,7 @@ impl<'a> FreePoses<'a> {
         }
         let Rejected { near, behind, blocked, disparity, empty } = rejected;
         let reason = format!(
-            "no free camera position for item {item} in {TRIES} tries: {near} too near a surface, {behind} inside an \
+            "no free camera position for item {item} in {most} tries: {near} too near a surface, {behind} inside an \
              object, {blocked} with a surface between the eyes, {disparity} with too large disparities, {empty} that \
              show too little"
         );

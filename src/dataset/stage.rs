@@ -7,6 +7,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::{
     draws::{Drawn, Draws, PLACES, rounded},
+    generate::{self, Assets, generate},
     motion::{move_objects, moved_camera},
     poses::{FreePoses, RandomPose},
     spec::{
@@ -22,6 +23,8 @@ use crate::{
 
 /// Default limit of disparities, as a share of the width. Stereo matchers rarely search farther.
 const DISPARITY_SHARE: f64 = 0.2;
+/// Default minimum share of surfaces in views of a generated scene.
+const VIEW_SURFACES: f64 = 0.25;
 /// Number of lights that are placed in a scene without lights.
 const DEFAULT_LIGHTS: usize = 3;
 /// Width of the procedural sky in pixels.
@@ -48,6 +51,10 @@ pub(super) struct Stage {
     uploaded: Option<UploadedScene>,
     /// Whether lights or materials have changed since the upload.
     has_changed: bool,
+    /// Item and attempt that the scene was generated for.
+    pub(super) made_for: Option<[u32; 2]>,
+    /// Eye and target of the cameras that a generated scene proposes.
+    views: Vec<[DVec3; 2]>,
 }
 
 impl Stage {
@@ -71,13 +78,37 @@ impl Stage {
             given: None,
             uploaded: None,
             has_changed: false,
+            made_for: None,
+            views: Vec::new(),
         }
+    }
+
+    /// Returns whether the scene was generated for another item or attempt.
+    pub(super) fn is_for_another(&self, draws: &Draws) -> bool {
+        self.made_for.is_some_and(|made_for| made_for != [draws.item, draws.attempt])
+    }
+
+    /// Generates the scene of an item.
+    pub(super) fn generated(spec: &Spec, index: usize, assets: &Assets, draws: &Draws) -> Result<Self, Error> {
+        let Some(options) = spec.generator(index) else {
+            return Err(Error::Spec { key: "generate".into(), reason: "the scene is not generated".into() });
+        };
+        let made = generate(options, assets, draws)?;
+        let mut stage = Self::of(made.scene);
+        stage.cameras = vec![("generated".into(), made.camera)];
+        stage.made_for = Some([draws.item, draws.attempt]);
+        stage.views = made.views;
+        stage.set_sky(spec, index)?;
+        Ok(stage)
     }
 
     /// Reads a scene of a spec.
     pub(super) fn open(spec: &Spec, index: usize) -> Result<Self, Error> {
         let entry = &spec.scenes[index];
         let mut stage = match &entry.source {
+            Source::Generate { .. } => {
+                return Err(Error::Spec { key: "generate".into(), reason: "the scene has no file".into() });
+            }
             Source::Builtin { builtin } => Self { builtin: Some(*builtin), ..Self::of(builtin.scene()) },
             Source::File { file, crease_angle, missing_textures, outside_files, origin } => {
                 let options = SceneOptions::default()
@@ -101,18 +132,24 @@ impl Stage {
                 Self { cameras, animations, ..Self::of(scene) }
             }
         };
-        match &entry.sky {
-            Some(SkyEntry::Color(color)) => stage.scene.sky = Sky::Constant(vector(*color)),
-            Some(SkyEntry::Named(name)) if name == "procedural" => {
-                stage.scene.sky = Sky::Map(SkyMap::procedural(SKY_WIDTH)?);
-            }
-            Some(SkyEntry::Named(file)) => stage.scene.sky = Sky::Map(SkyMap::open(spec.path_of(file))?),
-            None => {}
-        }
+        stage.set_sky(spec, index)?;
         if !stage.animations.is_empty() {
             stage.digest = Some(stage.sha256(spec, index)?);
         }
         Ok(stage)
+    }
+
+    /// Sets the sky that the spec gives for the scene.
+    fn set_sky(&mut self, spec: &Spec, index: usize) -> Result<(), Error> {
+        match &spec.scenes[index].sky {
+            Some(SkyEntry::Color(color)) => self.scene.sky = Sky::Constant(vector(*color)),
+            Some(SkyEntry::Named(name)) if name == "procedural" => {
+                self.scene.sky = Sky::Map(SkyMap::procedural(SKY_WIDTH)?);
+            }
+            Some(SkyEntry::Named(file)) => self.scene.sky = Sky::Map(SkyMap::open(spec.path_of(file))?),
+            None => {}
+        }
+        Ok(())
     }
 
     /// Returns the animation of the spec, by default the first one.
@@ -310,7 +347,7 @@ impl Stage {
             Poses::Free { clearance, max_disparity, min_surfaces } => {
                 self.bring(renderer).await?;
                 let limits = (clearance.as_ref(), *max_disparity, *min_surfaces);
-                self.free(renderer, spec, camera, draws, limits).await
+                self.free(renderer, (spec, index), camera, draws, limits).await
             }
         }
     }
@@ -319,7 +356,7 @@ impl Stage {
     async fn free(
         &self,
         renderer: &Renderer,
-        spec: &Spec,
+        (spec, index): (&Spec, usize),
         camera: StereoCamera,
         draws: &Draws,
         (clearance, limit, surfaces): (Option<&Drawn<f64>>, Option<f64>, Option<f64>),
@@ -331,12 +368,15 @@ impl Stage {
         };
         let limit = limit.unwrap_or(usual) as f32;
         let of_format = spec.format.layout().map_or(f32::INFINITY, |layout| layout.disparity_limit());
-        let mut poses = FreePoses::new(&self.scene, camera, draws.seed)?.disparity(limit.min(of_format));
+        let mut poses = FreePoses::new(&self.scene, camera, draws.pose_seed())?.disparity(limit.min(of_format));
         if let Some(clearance) = clearance {
             poses = poses.clearance(draws.draw(clearance, "poses.clearance") as f32);
         }
         if let Some(share) = surfaces {
             poses = poses.surfaces(share as f32);
+        }
+        if spec.scenes[index].camera.is_none() && !self.views.is_empty() {
+            poses = poses.among(&self.views).surfaces(surfaces.unwrap_or(VIEW_SURFACES) as f32);
         }
         poses.find(renderer, self.uploaded()?, draws.item).await
     }
@@ -465,6 +505,19 @@ fn material(random: &RandomMaterials, draws: &Draws, place: usize, own: &Materia
         found.principled = None;
     }
     found
+}
+
+/// Returns a hash of everything that a generated scene depends on, except the item: the generator's version and
+/// options, the contents of the user's folders, and the scene's sky and camera in the spec.
+pub(super) fn generator_sha256(spec: &Spec, index: usize, assets: &Assets) -> Result<String, Error> {
+    let entry = &spec.scenes[index];
+    let mut sky = Stage::of(Scene::new());
+    sky.set_sky(spec, index)?;
+    let options = (&entry.source, &entry.camera);
+    let options = serde_json::to_string(&options)
+        .map_err(|error| Error::Spec { key: format!("scenes[{index}]"), reason: error.to_string() })?;
+    let text = format!("generator {} {options} {} {}", generate::VERSION, assets.digest(), sky.scene.sha256());
+    Ok(Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 /// Moves a camera about its target by two angles in radians, and scales its distance.

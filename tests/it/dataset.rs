@@ -188,4 +188,78 @@ mod made {
         let message = PairMaker::new(Spec::from_json(file, "folder").unwrap()).scene(0).err().unwrap().to_string();
         assert!(message.starts_with("scenes[0]: folder/no/such.obj: "), "{message}");
     }
+
+    fn of_spec(text: &str) -> PairMaker {
+        PairMaker::new(Spec::from_json(text, ".").unwrap())
+    }
+
+    const GENERATED: &str = r#"{
+        "seed": 5, "pairs": 6, "size": [64, 48],
+        "scenes": [{"generate": "rooms"}, {"generate": {"kind": "floating", "glass": 0.3}}, {"generate": "outdoors"}]
+    }"#;
+
+    #[test]
+    fn generated_pairs_are_the_same_alone_in_another_order_and_by_another_maker() {
+        let (mut one, mut renderer) = (of_spec(GENERATED), renderer());
+        let pairs: Vec<_> = (0..6).map(|item| made(&mut one, &mut renderer, item).unwrap()).collect();
+        assert!(pairs.windows(2).all(|pair| pair[0].pair.left.rgba8 != pair[1].pair.left.rgba8));
+        let mut other = of_spec(GENERATED);
+        for item in [4, 1, 5, 0, 2, 3] {
+            let again = made(&mut other, &mut renderer, item).unwrap();
+            let first = &pairs[item as usize];
+            assert_eq!(again.record, first.record);
+            assert_eq!(again.pair.right.rgba8, first.pair.right.rgba8);
+            assert_eq!(again.pair.left.depth, first.pair.left.depth);
+            assert!(again.record.scene.starts_with("generate:"), "{}", again.record.scene);
+            let [low, .., high] = again.record.disparity_percentiles.unwrap();
+            let [least, most] = again.record.disparity.unwrap();
+            assert!(least <= low && low < high && high <= most, "{:?}", again.record);
+            assert!(least >= 0.0 && most < 0.21 * 64.0, "{:?}", again.record);
+        }
+        let alone = made(&mut of_spec(GENERATED), &mut renderer, 3).unwrap();
+        assert_eq!(alone.pair.left.rgba8, pairs[3].pair.left.rgba8);
+    }
+
+    #[test]
+    fn a_generated_scenes_hash_covers_its_options_but_no_item() {
+        let hash = |text: &str| of_spec(text).scene_sha256(0).unwrap();
+        let plain = r#"{"pairs": 2, "scenes": [{"generate": "rooms"}]}"#;
+        let first = hash(plain);
+        assert_ne!(first, hash(r#"{"pairs": 2, "scenes": [{"generate": "outdoors"}]}"#));
+        assert_ne!(first, hash(r#"{"pairs": 2, "scenes": [{"generate": {"kind": "rooms", "glass": 0.5}}]}"#));
+        assert_ne!(first, hash(r#"{"pairs": 2, "scenes": [{"generate": "rooms", "sky": 0.5}]}"#));
+        assert_eq!(first, hash(r#"{"pairs": 9, "seed": 4, "scenes": [{"generate": "rooms"}]}"#));
+        let text = of_spec(plain).spec().to_json();
+        assert_eq!(Spec::from_json(&text, ".").unwrap().to_json(), text);
+        let mut other = of_spec(plain);
+        other.expect_hashes(&[Some("0".repeat(64))]);
+        let message = other.scene(0).err().unwrap().to_string();
+        assert_eq!(message, "scenes[0]: generate:rooms: it has changed since the data set was begun");
+    }
+
+    #[test]
+    fn rejected_pairs_are_drawn_again_and_recorded() {
+        let mut renderer = renderer();
+        // About half of the outdoor pictures show more sky than this.
+        let text = r#"{"pairs": 8, "size": [64, 48],
+            "scenes": [{"generate": "outdoors", "checks": {"max_sky": 0.3, "redraws": 60}}]}"#;
+        let mut one = of_spec(text);
+        let records: Vec<_> = (0..8).map(|item| made(&mut one, &mut renderer, item).unwrap().record).collect();
+        assert!(records.iter().all(|record| record.sky_percent <= 30.0));
+        let rejects: Vec<&String> = records.iter().flat_map(|record| &record.rejects).collect();
+        assert!(
+            !rejects.is_empty() && rejects.iter().any(|reason| reason.contains("of it is sky, over 30%")),
+            "{rejects:?}"
+        );
+        let rejected = records.iter().position(|record| !record.rejects.is_empty()).unwrap();
+        let again = made(&mut of_spec(text), &mut renderer, rejected as u32).unwrap();
+        assert_eq!(again.record, records[rejected]);
+        let never = r#"{"pairs": 1, "size": [64, 48],
+            "scenes": [{"builtin": "near", "checks": {"max_plain": 0, "redraws": 2}}], "poses": {"kind": "fixed"}}"#;
+        let message = made(&mut of_spec(never), &mut renderer, 0).unwrap_err().to_string();
+        assert!(message.starts_with("scenes[0].checks: item 0 was rejected 3 times: "), "{message}");
+        assert!(message.contains("of it is one object without texture, over 0%"), "{message}");
+        let unchecked = never.replace(r#"{"max_plain": 0, "redraws": 2}"#, "false");
+        assert!(made(&mut of_spec(&unchecked), &mut renderer, 0).unwrap().record.rejects.is_empty());
+    }
 }

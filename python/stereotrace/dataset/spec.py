@@ -87,12 +87,22 @@ class Spec:
     def scene_name(self, scene: int) -> str:
         """Returns a scene's name in records."""
         entry = self["scenes"][scene]
+        if "generate" in entry:
+            return f"generate:{entry['generate']['kind']}"
         return str(entry.get("file") or f"builtin:{entry['builtin']}")
 
     def scene_path(self, scene: int) -> Path | None:
-        """Returns a scene's file, or ``None`` for a built-in scene."""
+        """Returns a scene's file, or ``None`` for a built-in or generated scene."""
         file = self["scenes"][scene].get("file")
         return None if file is None else self.folder / file
+
+    def scene_folders(self, scene: int) -> list[Path]:
+        """Returns the folders whose files a scene depends on: a file's own folder, or those of a generated scene."""
+        path = self.scene_path(scene)
+        if path is not None:
+            return [path.parent]
+        options = self["scenes"][scene].get("generate", {})
+        return [self.folder / options[key] for key in ("textures", "skies", "meshes") if key in options]
 
     @property
     def is_layout(self) -> bool:

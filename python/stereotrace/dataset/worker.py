@@ -31,18 +31,19 @@ MOST_FILES = 10_000
 
 
 def scene_files(spec: Spec, scene: int, leave_out: Path | None = None) -> str | None:
-    """Returns a hash of names, sizes and times of a scene's files: those in its folder and below, and its sky.
+    """Returns a hash of names, sizes and times of a scene's files: those in its folders and below, and its sky.
 
     Returns ``None`` if a file can't be inspected or there are too many. ``leave_out`` is a folder to skip, such as the
     data set's own."""
     path, sky = spec.scene_path(scene), spec["scenes"][scene].get("sky")
     found: list[tuple[str, int, int]] = []
     try:
-        for folder, inner, names in os.walk(path.parent) if path is not None else ():
-            inner[:] = sorted(name for name in inner if Path(folder, name).resolve() != leave_out)
-            found += [_stamp(Path(folder, name)) for name in sorted(names)]
-            if len(found) > MOST_FILES:
-                return None
+        for root in spec.scene_folders(scene):
+            for folder, inner, names in os.walk(root):
+                inner[:] = sorted(name for name in inner if Path(folder, name).resolve() != leave_out)
+                found += [_stamp(Path(folder, name)) for name in sorted(names)]
+                if len(found) > MOST_FILES:
+                    return None
         if isinstance(sky, str) and sky != "procedural":
             found.append(_stamp(spec.folder / sky))
         if path is not None:

@@ -354,6 +354,49 @@ pub(super) struct SceneEntry {
     pub(super) ambient: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) sky: Option<SkyEntry>,
+    /// Limits of pictures; by default for generated scenes only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) checks: Option<ChecksEntry>,
+}
+
+impl SceneEntry {
+    /// Returns the limits of pictures, or `None` if all pictures are kept.
+    pub(super) fn limits(&self) -> Option<&Checks> {
+        match &self.checks {
+            Some(ChecksEntry::On(checks)) => Some(checks),
+            Some(ChecksEntry::Off(_)) | None => None,
+        }
+    }
+}
+
+/// Limits of pictures, or false.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum ChecksEntry {
+    On(Checks),
+    Off(bool),
+}
+
+/// Limits of pictures: largest shares of the left view, 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Checks {
+    pub(super) max_sky: f64,
+    /// Share of black pixels.
+    pub(super) max_dark: f64,
+    /// Share of white pixels.
+    pub(super) max_bright: f64,
+    /// Share of one object's pixels that look like their neighbours.
+    pub(super) max_plain: f64,
+    /// Share of surfaces nearer than four times the interaxial.
+    pub(super) max_near: f64,
+    /// Number of further attempts after a rejected one.
+    pub(super) redraws: u32,
+}
+
+impl Default for Checks {
+    fn default() -> Self {
+        Self { max_sky: 0.8, max_dark: 0.5, max_bright: 0.35, max_plain: 0.6, max_near: 0.5, redraws: 20 }
+    }
 }
 
 /// Where a scene comes from.
@@ -375,6 +418,52 @@ pub(super) enum Source {
         #[serde(skip_serializing_if = "Option::is_none")]
         origin: Option<OriginEntry>,
     },
+    Generate {
+        generate: Generate,
+    },
+}
+
+/// A kind of generated scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum SceneKind {
+    Rooms,
+    Floating,
+    Outdoors,
+}
+
+impl SceneKind {
+    const ALL: [Self; 3] = [Self::Rooms, Self::Floating, Self::Outdoors];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Rooms => "rooms",
+            Self::Floating => "floating",
+            Self::Outdoors => "outdoors",
+        }
+    }
+}
+
+/// Scenes that are generated, a new one for each item.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Generate {
+    pub(super) kind: SceneKind,
+    /// Folders of pictures, skies and meshes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) textures: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) skies: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) meshes: Option<String>,
+    /// Length of a mesh's longest side in metres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mesh_size: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) objects: Option<Drawn<u32>>,
+    /// Shares of objects of special materials, 0 to 1.
+    pub(super) metals: Drawn<f64>,
+    pub(super) glass: Drawn<f64>,
+    pub(super) mirrors: Drawn<f64>,
 }
 
 fn by_name<S: Serializer>(builtin: &Builtin, serializer: S) -> Result<S::Ok, S::Error> {
@@ -598,6 +687,15 @@ impl Spec {
         match &self.scenes[scene].source {
             Source::Builtin { builtin } => format!("builtin:{}", builtin.name()),
             Source::File { file, .. } => file.clone(),
+            Source::Generate { generate } => format!("generate:{}", generate.kind.name()),
+        }
+    }
+
+    /// Returns the options of a generated scene, or `None` for another scene.
+    pub(super) fn generator(&self, scene: usize) -> Option<&Generate> {
+        match &self.scenes.get(scene)?.source {
+            Source::Generate { generate } => Some(generate),
+            Source::Builtin { .. } | Source::File { .. } => None,
         }
     }
 

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use serde_json::{Map, Value};
 
 use super::{
-    AroundEntry, Array, CameraEntry, CameraMotion, Distance, DrawnOption, Eye, Format, LayersEntry, LightEntry, Lights,
-    MergeEntry, Motion, ObjectMotion, OriginEntry, Output, Poses, RandomLights, RandomMaterials, Randomise, Rig,
-    SceneEntry, SkyEntry, Source, Spec,
+    AroundEntry, Array, CameraEntry, CameraMotion, Checks, ChecksEntry, Distance, DrawnOption, Eye, Format, Generate,
+    LayersEntry, LightEntry, Lights, MergeEntry, Motion, ObjectMotion, OriginEntry, Output, Poses, RandomLights,
+    RandomMaterials, Randomise, Rig, SceneEntry, SceneKind, SkyEntry, Source, Spec,
     fields::{
         Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
         text, whole, within,
@@ -15,7 +15,10 @@ use super::{
 };
 use crate::{
     Builtin, Channel, Error, Layering, Lighting, Maker, Method, Options, PoleMerge,
-    dataset::draws::{Drawn, Normal, PLACES, Span},
+    dataset::{
+        draws::{Drawn, Normal, PLACES, Span},
+        generate::MOST_OBJECTS,
+    },
 };
 
 /// Maximum number of pairs.
@@ -28,6 +31,11 @@ const LONGEST_SIDE: u32 = 1 << 17;
 const LARGEST_ANGLE: f64 = 1.5;
 /// Default choice of layers.
 const LAYERS: LayersEntry = LayersEntry { surfaces: 4, refracted: false, mirrored: false };
+/// Maximum length of a mesh in a generated scene, in metres.
+const LARGEST_MESH: f64 = 100.0;
+/// Maximum number of attempts after a rejected one.
+const MOST_REDRAWS: u32 = 1000;
+const NO_SOURCE: &str = "give a file, the name of a built-in scene, or the kind of a generated scene";
 /// Default time from a pair to the next one in seconds.
 const STEP: f64 = 1.0 / 24.0;
 
@@ -184,6 +192,7 @@ fn scene(value: &Value, at: &str) -> Result<SceneEntry, Error> {
     let fields = Fields::of(value, at)?;
     let file = fields.get("file", text)?;
     let builtin = fields.get("builtin", one_of(Builtin::ALL.iter().map(|&one| (one.name(), one)).collect()))?;
+    let generate = fields.get("generate", generate)?;
     let weight = fields.get("weight", from_zero())?.unwrap_or(1.0);
     let crease_angle = fields.get("crease_angle", within(0.0, 180.0))?;
     let missing_textures = fields.get("missing_textures", one_of(named(["error", "warn"])))?;
@@ -193,10 +202,12 @@ fn scene(value: &Value, at: &str) -> Result<SceneEntry, Error> {
     let lights = fields.get("lights", lights)?;
     let ambient = fields.get("ambient", color)?;
     let sky = fields.get("sky", sky)?;
+    let checks = fields.get("checks", checks)?;
     fields.end()?;
-    let source = match (file, builtin) {
-        (Some(file), None) => Source::File { file, crease_angle, missing_textures, outside_files, origin },
-        (None, Some(builtin)) => {
+    let checks = checks.or_else(|| generate.as_ref().map(|_| ChecksEntry::On(Checks::default())));
+    let source = match (file, builtin, generate) {
+        (Some(file), None, None) => Source::File { file, crease_angle, missing_textures, outside_files, origin },
+        (None, builtin, generate) if builtin.is_some() != generate.is_some() => {
             for (key, is_given) in [
                 ("crease_angle", crease_angle.is_some()),
                 ("missing_textures", missing_textures.is_some()),
@@ -204,14 +215,68 @@ fn scene(value: &Value, at: &str) -> Result<SceneEntry, Error> {
                 ("outside_files", outside_files.is_some()),
             ] {
                 if is_given {
-                    return fault(at, format!("{key} is an option for files, but this scene is built in"));
+                    let kind = if builtin.is_some() { "built in" } else { "generated" };
+                    return fault(at, format!("{key} is an option for files, but this scene is {kind}"));
                 }
             }
-            Source::Builtin { builtin }
+            match (builtin, generate) {
+                (Some(builtin), _) => Source::Builtin { builtin },
+                (None, Some(generate)) => Source::Generate { generate },
+                (None, None) => return fault(at, NO_SOURCE),
+            }
         }
-        _ => return fault(at, "give a file, or the name of a built-in scene"),
+        _ => return fault(at, NO_SOURCE),
     };
-    Ok(SceneEntry { source, weight, camera, lights, ambient, sky })
+    if let (Source::Generate { .. }, Some(CameraEntry { name: Some(_), .. })) = (&source, &camera) {
+        return fault(&fields.path("camera.name"), "generated scenes have no cameras with names");
+    }
+    Ok(SceneEntry { source, weight, camera, lights, ambient, sky, checks })
+}
+
+/// Reads the kind of a generated scene, or a mapping with its options.
+fn generate(value: &Value, at: &str) -> Result<Generate, Error> {
+    let alone = Value::from_iter([("kind", value.clone())]);
+    let value = if value.is_string() { &alone } else { value };
+    let usual = |high| Drawn::Uniform([0.0, high]);
+    let fields = Fields::of(value, at)?;
+    let kind = fields.get("kind", one_of(SceneKind::ALL.map(|kind| (kind.name(), kind)).to_vec()))?;
+    let share = |key: &'static str| fields.get(key, drawn(within(0.0, 1.0)));
+    let found = Generate {
+        kind: fields.needed("kind", kind)?,
+        textures: fields.get("textures", text)?,
+        skies: fields.get("skies", text)?,
+        meshes: fields.get("meshes", text)?,
+        mesh_size: fields.get("mesh_size", drawn(above_zero(LARGEST_MESH)))?,
+        objects: fields.get("objects", drawn(whole(0, MOST_OBJECTS)))?,
+        metals: share("metals")?.unwrap_or(usual(0.2)),
+        glass: share("glass")?.unwrap_or(usual(0.12)),
+        mirrors: share("mirrors")?.unwrap_or(usual(0.06)),
+    };
+    fields.end()?;
+    match found.mesh_size {
+        Some(_) if found.meshes.is_none() => fault(&fields.path("mesh_size"), "it needs meshes"),
+        _ => Ok(found),
+    }
+}
+
+/// Reads the limits of pictures, `true` for the default ones, or `false` for none.
+fn checks(value: &Value, at: &str) -> Result<ChecksEntry, Error> {
+    if let Value::Bool(is_on) = value {
+        return Ok(if *is_on { ChecksEntry::On(Checks::default()) } else { ChecksEntry::Off(false) });
+    }
+    let fields = Fields::of(value, at)?;
+    let usual = Checks::default();
+    let share = |key: &'static str| fields.get(key, within(0.0, 1.0));
+    let found = Checks {
+        max_sky: share("max_sky")?.unwrap_or(usual.max_sky),
+        max_dark: share("max_dark")?.unwrap_or(usual.max_dark),
+        max_bright: share("max_bright")?.unwrap_or(usual.max_bright),
+        max_plain: share("max_plain")?.unwrap_or(usual.max_plain),
+        max_near: share("max_near")?.unwrap_or(usual.max_near),
+        redraws: fields.get("redraws", whole(0, MOST_REDRAWS))?.unwrap_or(usual.redraws),
+    };
+    fields.end()?;
+    Ok(ChecksEntry::On(found))
 }
 
 /// Returns names as values of themselves.
