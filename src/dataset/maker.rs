@@ -326,7 +326,7 @@ impl PairMaker {
             return Err(error);
         }
         let exposure = spec.randomise.exposure.as_ref().map_or(0.0, |value| draws.draw(value, "exposure"));
-        let mut options = spec.options_of(&draws)?.channels(&channels).exposure(exposure as f32);
+        let mut options = spec.options_of(draws)?.channels(&channels).exposure(exposure as f32);
         if !spec.render.contains_key("seed") {
             options = options.seed(spec.seed.wrapping_add(item));
         }

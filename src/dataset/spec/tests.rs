@@ -15,7 +15,7 @@ fn options_of_rendering_are_drawn() {
     let keys = r#""render": {"samples": {"choice": [1, 4]}, "shadow_rays": {"uniform": [1, 8]},
         "method": {"choice": ["naive", "bracket"]}, "tone": "filmic"}"#;
     let spec = spec(keys).unwrap();
-    let all = (0..500).map(|item| spec.options_of(&Draws { seed: 1, item }).unwrap());
+    let all = (0..500).map(|item| spec.options_of(&Draws { seed: 1, item, attempt: 0 }).unwrap());
     let all = Vec::from_iter(all);
     let have = |name: &str, text: &str| all.iter().filter(|options| options.get(name).unwrap() == text).count();
     assert!((200..300).contains(&have("samples", "1")) && have("samples", "1") + have("samples", "4") == 500);
@@ -23,7 +23,7 @@ fn options_of_rendering_are_drawn() {
     assert!(have("method", "naive") > 200 && have("tone", "filmic") == 500);
     // A spec that is written and read again draws the same.
     let again = Spec::from_json(&spec.to_json(), ".").unwrap();
-    let draws = Draws { seed: 1, item: 7 };
+    let draws = Draws { seed: 1, item: 7, attempt: 0 };
     assert_eq!(again.options_of(&draws).unwrap(), spec.options_of(&draws).unwrap());
 }
 
