@@ -466,8 +466,8 @@ impl Renderer {
         Ok(Flow::of(flow))
     }
 
-    /// Returns two of the ``Views`` of ``render_views`` as a ``StereoPair`` with ground truth. ``left`` and ``right`` are
-    /// their indices. ``scene`` is the scene that they show. ``"primitive"`` must be among the views' outputs.
+    /// Returns two of the ``Views`` of ``render_views`` as a ``StereoPair`` with ground truth. ``left`` and ``right``
+    /// are their indices. ``scene`` is the scene that they show. ``"primitive"`` must be among the views' outputs.
     ///
     /// With ``below``, ``left`` is the index of an upper view, and ``right`` of a view of ``below``. These are views of
     /// the same rig, lowered by ``Camera.raised``. All pictures and arrays are then turned counterclockwise by 90

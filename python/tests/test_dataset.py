@@ -696,7 +696,10 @@ def test_any_storage_of_fsspec(made):
         ({"poses": {"kind": "walk"}}, "poses.kind: unknown 'walk'; use one of free, orbit, fixed"),
         ({"poses": {"kind": "fixed", "clearance": 1}}, "poses: unknown key 'clearance'; the keys are kind"),
         ({"rig": {"interaxial": {"uniform": [2, 1]}}}, "rig.interaxial.uniform: .* low and a high"),
-        ({"rig": {"interaxial": {"gauss": [2, 1]}}}, "rig.interaxial: .* one key: uniform, log_uniform, choice"),
+        (
+            {"rig": {"interaxial": {"gauss": [2, 1]}}},
+            "rig.interaxial: .* one key: uniform, log_uniform, normal, choice",
+        ),
         ({"rig": {"interaxial": {"log_uniform": [0, 1]}}}, "above 0"),
         ({"rig": {"interaxial": 1, "interaxial_px": 2}}, "set the same value"),
         ({"rig": {"interaxial_px": 2, "screen_distance": "inf"}}, "which is 0 for parallel cameras"),

@@ -98,8 +98,8 @@ pub struct EyeLayers {
     pub depth: Vec<f32>,
     /// Length of the line from the eye to the surface, in world units.
     pub distance: Vec<f32>,
-    /// Disparity `x_l - x_r` in pixels. After a bend it is the virtual disparity, between the places where both eyes see
-    /// the same point by way of the same surfaces.
+    /// Disparity `x_l - x_r` in pixels. After a bend it is the virtual disparity, between the places where both eyes
+    /// see the same point by way of the same surfaces.
     pub disparity: Vec<f32>,
     /// Difference of rows `y_l - y_r` of these places in pixels. It is 0 before a bend, and for plane mirrors.
     pub vertical_disparity: Vec<f32>,
