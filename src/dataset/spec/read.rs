@@ -98,6 +98,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
         drawn_options,
         arrays,
     };
+    check_together(&spec)?;
     for options in ends {
         check_together(&Spec { options, ..spec.clone() })?;
     }

@@ -28,6 +28,12 @@ fn options_of_rendering_are_drawn() {
 }
 
 #[test]
+fn keys_that_contradict_each_other_are_refused_without_options_of_rendering() {
+    let message = refused(r#""format": "kitti", "rig": {"screen_distance": 3}"#);
+    assert!(message.contains("rig.screen_distance: the cameras of kitti are parallel"), "{message}");
+}
+
+#[test]
 fn drawn_options_that_are_not_valid_are_refused() {
     for (keys, expected) in [
         (r#""render": {"samples": {"choice": []}}"#, "render.samples.choice: there is nothing to choose from"),
