@@ -19,6 +19,7 @@ use crate::{
     Animation, Builtin, Error, Light, Material, MaterialId, MissingTextures, Origin, OutsideFiles, Projection,
     Renderer, Scene, SceneFile, SceneOptions, Sky, SkyMap, StereoCamera, Update, UploadedScene,
     camera::{HUMAN_INTERAXIAL, Intrinsics},
+    scene::content::hex,
 };
 
 /// Default limit of disparities, as a share of the width. Stereo matchers rarely search farther.
@@ -235,8 +236,7 @@ impl Stage {
         let mut hash = Sha256::new();
         hash.update(format!("{} {camera}", self.scene.sha256()));
         self.animations.iter().for_each(|animation| animation.content(|bytes| hash.update(bytes)));
-        let digest = hash.finalize();
-        Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+        Ok(hex(&hash.finalize()))
     }
 
     /// Returns the camera that the spec gives for the scene, or the scene's own.
@@ -517,7 +517,7 @@ pub(super) fn generator_sha256(spec: &Spec, index: usize, assets: &Assets) -> Re
     let options = serde_json::to_string(&options)
         .map_err(|error| Error::Spec { key: format!("scenes[{index}]"), reason: error.to_string() })?;
     let text = format!("generator {} {options} {} {}", generate::VERSION, assets.digest(), sky.scene.sha256());
-    Ok(Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hex(&Sha256::digest(text)))
 }
 
 /// Moves a camera about its target by two angles in radians, and scales its distance.

@@ -6,6 +6,12 @@ use bytemuck::cast_slice;
 
 use super::{Beside, Scene, Sky, TextureKind, mesh::Object};
 
+/// Returns bytes as hexadecimal digits.
+#[cfg(feature = "dataset")]
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 impl Scene {
     /// Passes everything that pictures depend on to `sink`, as bytes in pieces. Equal scenes produce equal bytes, even
     /// if they come from different files. Different scenes produce different bytes. So a hash tells whether two
@@ -76,7 +82,7 @@ impl Scene {
         use sha2::Digest as _;
         let mut hash = sha2::Sha256::new();
         self.content(|bytes| hash.update(bytes));
-        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        hex(&hash.finalize())
     }
 }
 

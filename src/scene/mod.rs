@@ -7,7 +7,7 @@ mod beside;
 pub mod builtin;
 pub(crate) mod checks;
 pub(crate) mod components;
-mod content;
+pub(crate) mod content;
 mod ellipsoid;
 mod light;
 mod lights;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::{
     Error, MISS, Pose, Projection, Ray, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, View,
     truth::{
-        ground_truth::check_pair,
+        ground_truth::{check_ids, check_pair},
         occlusion::Pixels,
         surface::{Moved, moved},
     },
@@ -183,12 +183,7 @@ fn checked(pair: &StereoPair, scene: &Scene, then: &Moment<'_>) -> Result<Pose, 
         let reason = "neither it nor the scene it was cloned from was uploaded, or it has changed since";
         return fault("the scene at the other time".into(), reason.into());
     }
-    let count = scene.primitive_count();
-    let views = [&pair.left, &pair.right];
-    let mut ids = views.iter().flat_map(|view| view.primitive.iter());
-    if let Some(id) = ids.find(|&&id| id != MISS && id as usize >= count) {
-        return fault(format!("primitive {id} of a picture"), format!("the scene has {count} primitives"));
-    }
+    check_ids(scene, pair)?;
     let pose = then.camera.pose_in(then.scene.origin())?;
     let is_same = match (pair.pose.projection, pose.projection) {
         (Projection::ToeIn, _) | (_, Projection::ToeIn) => {

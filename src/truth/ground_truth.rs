@@ -134,6 +134,11 @@ pub(super) fn check_scene(uploaded: &UploadedScene, scene: &Scene, pair: &Stereo
         let reason = "neither it nor the scene it was cloned from was uploaded, or it has changed since".into();
         return Err(Error::Scene { element: "the ground truth's scene".into(), reason });
     }
+    check_ids(scene, pair)
+}
+
+/// Checks that a scene has the primitives that a pair shows.
+pub(super) fn check_ids(scene: &Scene, pair: &StereoPair) -> Result<(), Error> {
     let count = scene.primitive_count();
     let mut ids = [&pair.left, &pair.right].into_iter().flat_map(|view| &view.primitive);
     match ids.find(|&&id| id != MISS && id as usize >= count) {

@@ -110,7 +110,7 @@ impl<'a> OtherEye<'a> {
         let (straight, bent): (Vec<_>, Vec<_>) = (0..lines.len()).partition(is_straight);
         let of = |indices: &[usize]| Vec::from_iter(indices.iter().map(|&index| &lines[index]));
         let of_straight = self.of_straight(own, &of(&straight)).await?;
-        let of_bent = self.of_bent(&of(&bent)).await?;
+        let of_bent = self.of_bent(own, &of(&bent)).await?;
         for (index, counterpart) in straight.into_iter().zip(of_straight).chain(bent.into_iter().zip(of_bent)) {
             found[index] = counterpart;
         }
@@ -181,8 +181,8 @@ impl<'a> OtherEye<'a> {
         Ok(classes)
     }
 
-    async fn of_bent(&self, lines: &[&Line]) -> Result<Vec<Counterpart>, Error> {
-        let mut searches = Vec::from_iter(lines.iter().filter_map(|line| self.search(line)));
+    async fn of_bent(&self, own: &Pixels, lines: &[&Line]) -> Result<Vec<Counterpart>, Error> {
+        let mut searches = Vec::from_iter(lines.iter().filter_map(|line| self.search(own, line)));
         for _ in 0..STEPS {
             self.step(&mut searches).await?;
         }
@@ -207,9 +207,8 @@ impl<'a> OtherEye<'a> {
 
     /// Starts a search at the point's image in plane mirrors: a point on the pixel's ray, at the line's whole length.
     /// Curved surfaces may show it nearer to the place of the first bend, which is the second start.
-    fn search<'l>(&self, line: &'l Line) -> Option<Search<'l>> {
+    fn search<'l>(&self, own: &Pixels, line: &'l Line) -> Option<Search<'l>> {
         let State::At(seen) = line.sight.state else { return None };
-        let own = Pixels::of(self.pose, 0.5 * self.side);
         let (origin, direction) = own.ray_through(line.place);
         let [column, row, depth] = self.projector.project(origin + direction.normalize() * seen.distance);
         let bend = line.bends.first()?.1.position + self.scene.scene.origin();

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     Error, Finish, MISS, Material, Ray, Renderer, Scene, Texture, TextureKind, UploadedScene, Wrap, scene::Primitive,
+    srgb::BRIGHTNESS,
 };
 
 /// Two hits on one object this close, as a share of the distance, are one surface met at an edge of its triangles.
@@ -276,7 +277,7 @@ fn alpha(texture: &Texture, uv: DVec2) -> f64 {
         }
         TextureKind::Checkerboard { colors, squares } => {
             let color = colors[(place(uv.x, *squares) + place(uv.y, *squares)) % 2];
-            f64::from(0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z).min(1.0)
+            color.as_dvec3().dot(BRIGHTNESS).min(1.0)
         }
     }
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from typing import Any
 
@@ -58,17 +59,14 @@ def _tile(files: dict[str, bytes], width: int) -> Any:
 def _small(picture: Any, width: int) -> Any:
     """Returns a picture of this width, by the means of its pixels."""
     height = max(1, round(picture.shape[0] * width / picture.shape[1]))
-    sums = np.zeros((picture.shape[0] + 1, picture.shape[1] + 1, 3))
-    sums[1:, 1:] = picture.astype(np.float64).cumsum(0).cumsum(1)
-    rows = np.linspace(0, picture.shape[0], height + 1).round().astype(int)
-    columns = np.linspace(0, picture.shape[1], width + 1).round().astype(int)
-    rows_after, columns_after = np.maximum(rows[1:], rows[:-1] + 1), np.maximum(columns[1:], columns[:-1] + 1)
-    rows_after, columns_after = rows_after.clip(max=picture.shape[0]), columns_after.clip(max=picture.shape[1])
-    rows, columns = np.minimum(rows[:-1], rows_after - 1), np.minimum(columns[:-1], columns_after - 1)
-    total = sums[rows_after][:, columns_after] - sums[rows][:, columns_after]
-    total += sums[rows][:, columns] - sums[rows_after][:, columns]
-    area = (rows_after - rows)[:, None] * (columns_after - columns)[None, :]
-    return (total / area[..., None]).round().astype(np.uint8)
+    means = picture.astype(np.float64)
+    for axis, side in enumerate((height, width)):
+        length = picture.shape[axis]
+        begins = np.minimum(np.linspace(0, length, side + 1).round().astype(int)[:-1], length - 1)
+        # A smaller picture has the same pixel several times.
+        counts = np.maximum(np.diff(begins, append=length), 1)
+        means = np.add.reduceat(means, begins, axis) / np.expand_dims(counts, (1, 2) if axis == 0 else (0, 2))
+    return means.round().astype(np.uint8)
 
 
 def _coloured(values: Any) -> Any:
@@ -94,9 +92,8 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error("--pairs must be 1 or more, and --width 1 to 4096")
     try:
         picture = sheet(given.folder, given.pairs, given.width)
-        file = Store(given.sheet).place("")
-        folder, _, name = file.rstrip("/").rpartition("/")
-        Store(folder or "/").write(name, encode_png(picture))
+        folder, name = os.path.split(given.sheet)
+        Store(folder or ".").write(name, encode_png(picture))
     except (ImportError, ValueError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1

@@ -14,6 +14,7 @@ use super::form::{Face, Form};
 use crate::{
     Error, Material, SceneFile, SceneOptions, SkyMap, Texture, TextureKind,
     dataset::spec::{Generate, Spec},
+    scene::content::hex,
 };
 
 /// Maximum number of files in a folder and below.
@@ -189,7 +190,7 @@ fn digest(folder: &Path, files: &[PathBuf]) -> Result<String, Error> {
             }
         }
     }
-    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hex(&hash.finalize()))
 }
 
 fn texture_memory(texture: &Texture) -> usize {

@@ -40,7 +40,7 @@ impl Paint {
     }
 }
 
-/// What a surface is made of.
+/// The kind of a surface's material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Stuff {
     Wall,

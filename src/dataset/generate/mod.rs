@@ -180,9 +180,7 @@ impl World<'_> {
         }
         found
     }
-}
 
-impl World<'_> {
     /// Returns the number of objects whose middle is within a cone about the view direction.
     fn shown(&self, eye: Vec3, target: Vec3) -> usize {
         let forward = (target - eye).normalize_or_zero();

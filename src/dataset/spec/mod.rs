@@ -143,7 +143,7 @@ pub enum LayerOutput {
     Disparity,
     /// Differences of rows.
     VerticalDisparity,
-    /// What the other eye sees, as a number of [`LayerClass`](crate::LayerClass).
+    /// Whether the other eye sees the points, as a number of [`LayerClass`](crate::LayerClass).
     Visibility,
     /// Numbers of reflections and refractions.
     Bends,

@@ -518,7 +518,8 @@ fn render(value: &Value, at: &str) -> Result<Render, Error> {
         options = options.set(name, &text).or_else(|error| fault(at, error.to_string()))?;
     }
     let each_end = drawn.iter().flat_map(|(name, drawn)| drawn.ends().into_iter().map(move |text| (name, text)));
-    let mut ends = vec![options.clone()];
+    options.check().or_else(|error| fault(at, error.to_string()))?;
+    let mut ends = Vec::new();
     for (name, text) in each_end {
         ends.push(options.clone().set(name, &text).or_else(|error| fault(at, error.to_string()))?);
     }
