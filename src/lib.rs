@@ -37,6 +37,7 @@
 //! | show pictures while paths refine them | [`Passes`] |
 //! | get disparity, occlusion and normals | [`GroundTruth`], [`Channel`] |
 //! | get optical flow and scene flow | [`Flow`], [`Renderer::flow`] |
+//! | blur what moves | [`MotionBlur`] |
 //! | get ground truth of an array of cameras | [`Rig`], [`Views::pair`], [`Views::pair_below`] |
 //! | get all surfaces behind glass and in mirrors | [`Layers`], [`Renderer::layers`] |
 //! | compare pictures | [`metrics`] |
@@ -170,7 +171,7 @@ pub use methods::auto::Choice;
 pub use render::cast::{Cast, Ray, RayHit};
 pub use render::pair::{Statistics, StereoPair};
 pub use render::{Encoded, EncodedView};
-pub use render::{FrameBuilder, Passes, Renderer};
+pub use render::{FrameBuilder, MotionBlur, Passes, Renderer};
 pub use render::{RigView, Views};
 pub use render::{Update, UploadInfo, UploadedScene};
 #[cfg(feature = "scene-files")]

@@ -266,3 +266,49 @@ fn animations_play_with_the_flow_of_their_points() {
         assert!(message.contains(text), "{message}");
     }
 }
+
+/// A picture of an orbit whose shutter is always open shows the mean of two pictures of a finer orbit.
+#[test]
+fn a_shutter_averages_what_moves_and_truth_is_that_of_its_middle() {
+    let folder = Folder::new("shutter");
+    let film = |name: &str, more: &[&str]| {
+        let out = folder.file(name).to_str().unwrap().to_owned();
+        let command = ["sequence", "builtin:spheres", "--size", "64x48", "--method", "naive", "--out", &out];
+        printed(&[&command[..], more].concat())
+    };
+    film("blurred", &["--orbit", "10", "--frames", "1..2", "--shutter", "1:2", "--ground-truth"]);
+    film("sharp", &["--orbit", "10", "--frames", "1..2", "--ground-truth"]);
+    film("fine", &["--orbit", "40", "--frames", "3..6"]);
+    let read = |file: &str| fs::read(folder.file(file)).unwrap();
+    let light = |file: &str| {
+        let picture = image::load_from_memory(&read(file)).unwrap().to_rgb8();
+        let linear = |value: u8| {
+            let value = f64::from(value) / 255.0;
+            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+        };
+        Vec::from_iter(picture.into_raw().into_iter().map(linear))
+    };
+    for eye in ["left", "right"] {
+        let [before, after] = [3, 5].map(|frame| light(&format!("fine/{eye}_{frame:04}.png")));
+        let [blurred, sharp] = ["blurred", "sharp"].map(|name| light(&format!("{name}/{eye}_0001.png")));
+        // Highlights brighter than white are clipped after averaging.
+        let pairs = before.iter().zip(&after).zip(&blurred).filter(|((before, after), _)| before.max(**after) < 1.0);
+        let off = Vec::from_iter(pairs.map(|((before, after), blurred)| ((before + after) / 2.0 - blurred).abs()));
+        // A level of sRGB is at most 0.009 of linear light, and each of three pictures is rounded to half of it.
+        let most = off.iter().copied().fold(0.0, f64::max);
+        assert!(off.len() > blurred.len() * 9 / 10 && most < 0.01, "{eye}: {most}, {} values", off.len());
+        assert_ne!(blurred, sharp);
+    }
+    for file in ["disp0.pfm", "occlusion1.png", "flow_forward0.flo", "normals1.pfm"] {
+        let there = |name: &str| read(&format!("{name}/truth_0001/{file}"));
+        assert_eq!(there("blurred"), there("sharp"), "{file}");
+    }
+    for (more, text) in [
+        (&["--shutter", "2"][..], "it must be a share from 0 to 1"),
+        (&["--shutter", "0.5:1"], "followed by : and 2 to 256 times"),
+        (&["--shutter", "0.5", "--history", "64"], "--shutter and --history exclude each other"),
+    ] {
+        let message = error_of(&[&["sequence", "builtin:spheres", "--size", "16x12"], more].concat());
+        assert!(message.contains(text), "{message}");
+    }
+}

@@ -151,7 +151,8 @@ impl Draws {
         (self.bits(name) >> 32) as u32
     }
 
-    fn bits(&self, name: &str) -> u64 {
+    /// Returns 64 random bits of this name.
+    pub(super) fn bits(&self, name: &str) -> u64 {
         let Self { seed, item, attempt } = self;
         let hash = match attempt {
             0 => Sha256::digest(format!("{seed}/{item}/{name}")),

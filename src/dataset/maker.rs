@@ -10,11 +10,12 @@ use super::{
     figures::{percentiles, thin_count},
     generate::Assets,
     poses::RandomPose,
+    shutter,
     stage::{Stage, generator_sha256},
 };
 use crate::{
-    Channel, Error, Flow, GroundTruth, Layers, Maker, Moment, Occlusion, OnProgress, Renderer, Scene, StereoCamera,
-    StereoPair, UploadedScene,
+    Channel, Error, Flow, GroundTruth, Layers, Maker, Moment, MotionBlur, Occlusion, OnProgress, Options, Renderer,
+    Scene, StereoCamera, StereoPair, UploadedScene,
 };
 
 /// Default memory in bytes for the scenes that are kept.
@@ -325,12 +326,17 @@ impl PairMaker {
             stage.undress(); // the next pair may be valid
             return Err(error);
         }
-        let exposure = spec.randomise.exposure.as_ref().map_or(0.0, |value| draws.draw(value, "exposure"));
-        let mut options = spec.options_of(draws)?.channels(&channels).exposure(exposure as f32);
-        if !spec.render.contains_key("seed") {
-            options = options.seed(spec.seed.wrapping_add(item));
+        let options = options_of(spec, draws, &channels)?;
+        let mut pair = renderer.pair(stage.uploaded()?, &camera).options(&options).progress(progress).read().await?;
+        let mut next_blur = MotionBlur::new();
+        if let Some(motion) = &spec.motion {
+            let first = shutter::blur(renderer, stage, motion, (draws, &options), camera, 0.0).await?;
+            first.apply(&mut pair, &options)?;
+            next_blur = shutter::blur(renderer, stage, motion, (draws, &options), camera, 1.0).await?;
         }
-        let pair = renderer.pair(stage.uploaded()?, &camera).options(&options).progress(progress).read().await?;
+        if let Some(sensor) = &spec.sensor {
+            sensor.expose(&mut pair, &options, draws, "first");
+        }
         let needs_truth = channels.iter().any(|channel| channel.maker() == Maker::GroundTruth);
         let truth = match needs_truth {
             true => Some(renderer.ground_truth(stage.uploaded()?, &stage.scene, &pair).await?),
@@ -340,9 +346,13 @@ impl PairMaker {
         let next = match &spec.motion {
             None => None,
             Some(motion) => {
-                let next_camera = stage.advance(renderer, motion, draws, camera).await?;
+                let next_camera = stage.advance(renderer, motion, draws, camera, 1.0).await?;
                 let (scene, uploaded) = stage.next()?;
-                let next = renderer.pair(uploaded, &next_camera).options(&options).read().await?;
+                let mut next = renderer.pair(uploaded, &next_camera).options(&options).read().await?;
+                next_blur.apply(&mut next, &options)?;
+                if let Some(sensor) = &spec.sensor {
+                    sensor.expose(&mut next, &options, draws, "next");
+                }
                 let truth = match needs_truth {
                     true => Some(renderer.ground_truth(uploaded, scene, &next).await?),
                     false => None,
@@ -369,6 +379,17 @@ impl PairMaker {
     fn draws(&self, item: u32) -> Draws {
         Draws { seed: self.spec.seed, item, attempt: 0 }
     }
+}
+
+/// Returns the options of an item's pairs.
+fn options_of(spec: &Spec, draws: &Draws, channels: &[Channel]) -> Result<Options, Error> {
+    let exposure = spec.randomise.exposure.as_ref().map_or(0.0, |value| draws.draw(value, "exposure"));
+    let mut options = spec.options_of(draws)?.channels(channels).exposure(exposure as f32);
+    if !spec.render.contains_key("seed") {
+        options = options.seed(spec.seed.wrapping_add(draws.item));
+    }
+    options.linear |= spec.changes_light();
+    Ok(options)
 }
 
 /// Returns the layers of an item's first or next pair, if outputs of the spec need them.

@@ -18,6 +18,10 @@ mod maker;
 mod motion;
 mod poses;
 #[cfg(feature = "dataset")]
+mod sensor;
+#[cfg(feature = "dataset")]
+mod shutter;
+#[cfg(feature = "dataset")]
 mod spec;
 #[cfg(feature = "dataset")]
 mod stage;

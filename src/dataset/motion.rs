@@ -11,10 +11,16 @@ use crate::{Error, Pose, Scene, StereoCamera};
 /// Objects whose box has a longer diagonal than this share of the scene's do not move: they are walls and floors.
 const LARGEST: f64 = 0.25;
 
-/// Returns the camera moved and turned in its own frame, as drawn.
-pub(super) fn moved_camera(camera: StereoCamera, motion: &CameraMotion, draws: &Draws) -> Result<StereoCamera, Error> {
+/// Returns the camera moved and turned in its own frame, by a share of the drawn motion. The share is 1 at the next
+/// pair.
+pub(super) fn moved_camera(
+    camera: StereoCamera,
+    motion: &CameraMotion,
+    draws: &Draws,
+    share: f64,
+) -> Result<StereoCamera, Error> {
     let draw = |value: &Option<_>, name: &str| {
-        value.as_ref().map_or(0.0, |value| draws.draw(value, &format!("motion.camera.{name}")))
+        share * value.as_ref().map_or(0.0, |value| draws.draw(value, &format!("motion.camera.{name}")))
     };
     let Pose { right, up, forward, .. } = camera.pose()?;
     let [right, up, forward] = [right, up, forward].map(|axis| axis.as_dvec3());
@@ -32,8 +38,9 @@ pub(super) fn moved_camera(camera: StereoCamera, motion: &CameraMotion, draws: &
     Ok(moved)
 }
 
-/// Moves a drawn share of the scene's objects, each in a drawn direction and about a drawn axis through its middle.
-pub(super) fn move_objects(scene: &mut Scene, motion: &ObjectMotion, draws: &Draws) -> Result<(), Error> {
+/// Moves some of the scene's objects, each in a drawn direction and about a drawn axis through its middle, by a share
+/// of the drawn motion. The share is 1 at the next pair.
+pub(super) fn move_objects(scene: &mut Scene, motion: &ObjectMotion, draws: &Draws, share: f64) -> Result<(), Error> {
     let boxes = scene.object_boxes();
     let whole = scene.bounds().map_or(0.0, |(low, high)| low.distance(high));
     for (object, bounds) in (0..).zip(boxes) {
@@ -46,8 +53,8 @@ pub(super) fn move_objects(scene: &mut Scene, motion: &ObjectMotion, draws: &Dra
         }
         let (distance, angle) =
             (draws.draw(&motion.distance, &name("distance")), draws.draw(&motion.turn, &name("turn")));
-        let step = direction(draws, &name("direction")) * distance;
-        let turn = DQuat::from_axis_angle(direction(draws, &name("axis")), angle.to_radians());
+        let step = direction(draws, &name("direction")) * (share * distance);
+        let turn = DQuat::from_axis_angle(direction(draws, &name("axis")), share * angle.to_radians());
         let (center, turn) = (low.midpoint(high), turn.as_quat());
         let transform = Affine3A::from_translation(center + step.as_vec3())
             * Affine3A::from_quat(turn)

@@ -40,7 +40,7 @@ pub(super) struct Stage {
     posed: Option<f64>,
     /// Hash of an animated scene at rest.
     digest: Option<String>,
-    /// The scene at the time of the next pair.
+    /// The scene at the time of the next pair, or at another time of its motion.
     next: Option<(Scene, UploadedScene)>,
     builtin: Option<Builtin>,
     /// Camera from which poses are drawn, in place of the spec's camera and rig.
@@ -193,21 +193,23 @@ impl Stage {
         Ok(())
     }
 
-    /// Makes the scene of an item's next pair and uploads it. Returns the next pair's camera.
+    /// Makes the scene of an item at another time and uploads it. The time is 0 at the first pair and 1 at the next
+    /// pair. Returns the camera of this time.
     pub(super) async fn advance(
         &mut self,
         renderer: &Renderer,
         motion: &Motion,
         draws: &Draws,
         camera: StereoCamera,
+        time: f64,
     ) -> Result<StereoCamera, Error> {
         let mut scene = self.scene.clone();
         if let Some(animation) = self.animation(motion)? {
             let step = draws.draw(&motion.step, "motion.step");
-            animation.pose(&mut scene, Self::time(motion, animation, draws) + step)?;
+            animation.pose(&mut scene, Self::time(motion, animation, draws) + time * step)?;
         }
         if let Some(objects) = &motion.objects {
-            move_objects(&mut scene, objects, draws)?;
+            move_objects(&mut scene, objects, draws, time)?;
         }
         let there = self.next.take().filter(|(_, uploaded)| uploaded.belongs_to(renderer.gpu()).is_ok());
         let uploaded = match there {
@@ -218,10 +220,10 @@ impl Stage {
             }
         };
         self.next = Some((scene, uploaded));
-        moved_camera(camera, &motion.camera, draws)
+        moved_camera(camera, &motion.camera, draws, time)
     }
 
-    /// Returns the scene of the item's next pair.
+    /// Returns the scene of the time that was last made.
     pub(super) fn next(&self) -> Result<(&Scene, &UploadedScene), Error> {
         let fault = || Error::Scene { element: "the next scene".into(), reason: "it is not uploaded".into() };
         self.next.as_ref().map(|(scene, uploaded)| (scene, uploaded)).ok_or_else(fault)

@@ -2,7 +2,7 @@
 
 #[allow(unused_imports, reason = "documentation links to it")]
 use crate::MISS;
-use crate::srgb::linear_of;
+use crate::{Options, srgb::linear_of};
 
 /// View of one eye. All lists are row-major, `[height][width]`, top row first.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +76,14 @@ impl View {
             object: Vec::new(),
             cost: Vec::new(),
         }
+    }
+
+    /// Replaces the colours by linear light before exposure, row-major. The alpha is 1.
+    pub(crate) fn show_linear(&mut self, colors: impl Iterator<Item = [f32; 3]>, options: &Options) {
+        let exposure = options.exposure.exp2();
+        self.linear = colors.map(|[red, green, blue]| [red, green, blue, 1.0]).collect();
+        let shown = |&[red, green, blue, _]: &[f32; 4]| options.tone.rgba8([red, green, blue], exposure);
+        self.rgba8 = self.linear.iter().map(shown).collect();
     }
 
     /// Returns the displayed picture as linear RGB and alpha, 0 to 1, decoded from [`View::rgba8`].

@@ -13,6 +13,7 @@ mod passes;
 mod renderer;
 mod results;
 mod samples;
+mod shutter;
 mod tally;
 #[cfg(test)]
 mod tests;
@@ -23,5 +24,6 @@ pub use builder::FrameBuilder;
 pub use encode::{Encoded, EncodedView};
 pub use passes::Passes;
 pub use renderer::Renderer;
+pub use shutter::MotionBlur;
 pub use upload::{Update, UploadInfo, UploadedScene};
 pub use views::{RigView, Views};

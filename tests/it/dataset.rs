@@ -101,6 +101,7 @@ fn where_there_is_no_room_the_reasons_are_said() {
 mod made {
     use std::ops::ControlFlow;
 
+    use serde_json::json;
     use stereotrace::{
         Error, Renderer,
         blocking::Wait,
@@ -218,6 +219,83 @@ mod made {
         }
         let alone = made(&mut of_spec(GENERATED), &mut renderer, 3).unwrap();
         assert_eq!(alone.pair.left.rgba8, pairs[3].pair.left.rgba8);
+    }
+
+    const MOVING: &str = r#"{
+        "seed": 3, "pairs": 2, "size": [48, 32],
+        "scenes": [{"builtin": "near"}],
+        "rig": {"interaxial": 0.1, "screen_distance": "inf"},
+        "motion": {"camera": {"right": 0.1, "turn": 3}, "objects": {"distance": 0.2}},
+        "outputs": ["color", "flow", "next.color"]
+    }"#;
+
+    /// Returns the first pair of a spec with some keys changed.
+    fn changed(renderer: &mut Renderer, change: impl Fn(&mut serde_json::Value)) -> MadePair {
+        let mut spec = serde_json::from_str(MOVING).unwrap();
+        change(&mut spec);
+        made(&mut of_spec(&spec.to_string()), renderer, 0).unwrap()
+    }
+
+    #[test]
+    fn shutter_and_sensor_change_colours_alone() {
+        let mut renderer = renderer();
+        let plain = changed(&mut renderer, |_| {});
+        let blurred = changed(&mut renderer, |spec| spec["motion"]["shutter"] = json!({"open": 0.6, "times": 4}));
+        let noisy = changed(&mut renderer, |spec| spec["sensor"] = json!({"full_well": 2000, "read_noise": 6}));
+        let next = |made: &MadePair| made.next.clone().unwrap();
+        for other in [&blurred, &noisy] {
+            for (pair, same) in [(&other.pair, &plain.pair), (&next(other).pair, &next(&plain).pair)] {
+                assert_eq!((&pair.left.depth, &pair.right.primitive), (&same.left.depth, &same.right.primitive));
+                assert!(pair.left.rgba8 != same.left.rgba8 && pair.right.rgba8 != same.right.rgba8);
+            }
+            assert_eq!(next(other).forward, next(&plain).forward);
+            assert_eq!(other.record, plain.record);
+        }
+        let [left, right] = [&noisy.pair.left, &noisy.pair.right].map(|view| view.linear[0]);
+        assert!(left != right && left != next(&noisy).pair.left.linear[0]);
+        let again = changed(&mut renderer, |spec| spec["sensor"] = json!({"full_well": 2000, "read_noise": 6}));
+        assert_eq!(again.pair.left.rgba8, noisy.pair.left.rgba8);
+    }
+
+    /// While the shutter is open from a pair to the next one, its blurred picture is also that of a closed shutter at
+    /// each time, taken from data sets of these times.
+    #[test]
+    fn a_blurred_picture_is_the_mean_of_pictures_along_the_motion() {
+        let mut renderer = renderer();
+        let open = |spec: &mut serde_json::Value| spec["motion"]["shutter"] = json!({"open": 1, "times": 2});
+        let linear = |made: &MadePair| made.next.as_ref().unwrap().pair.left.linear.clone();
+        let blurred = linear(&changed(&mut renderer, open));
+        let [before, after] = [0.75, 1.25].map(|time| {
+            let made = changed(&mut renderer, |spec| {
+                spec["motion"]["camera"] = json!({"right": 0.1 * time, "turn": 3.0 * time});
+                spec["motion"]["objects"] = json!({"distance": 0.2 * time});
+                // It keeps linear light and changes it little.
+                spec["sensor"] = json!({"full_well": 1e7});
+            });
+            linear(&made)
+        });
+        let mean = before.iter().zip(&after).map(|(before, after)| (before[1] + after[1]) / 2.0);
+        let off = blurred.iter().zip(mean).map(|(blurred, mean)| (blurred[1] - mean).abs()).fold(0.0, f32::max);
+        // The noise of 1e7 electrons is 3e-4, and the largest of 1,536 pixels about four times as far off.
+        assert!(off < 2e-3, "{off}");
+    }
+
+    #[test]
+    fn shutters_and_sensors_out_of_range_are_refused_by_name() {
+        let message = |key: &str, value: serde_json::Value| {
+            let mut spec: serde_json::Value = serde_json::from_str(MOVING).unwrap();
+            match key {
+                "sensor" => spec["sensor"] = value,
+                key => spec["motion"][key] = value,
+            }
+            Spec::from_json(&spec.to_string(), ".").unwrap_err().to_string()
+        };
+        assert!(message("shutter", json!({"open": 1.5})).starts_with("motion.shutter.open: 1.5 must be 0 to 1"));
+        assert!(message("shutter", json!({"times": 1})).starts_with("motion.shutter.times: 1 must be a whole number"));
+        assert!(message("sensor", json!({})).starts_with("sensor.full_well: it is missing"));
+        assert!(message("sensor", json!({"full_well": 0})).starts_with("sensor.full_well: 0 must be 1 to 10000000"));
+        let noise = json!({"full_well": 9, "read_noise": {"uniform": [-1, 2]}});
+        assert!(message("sensor", noise).starts_with("sensor.read_noise.uniform[0]: -1 must be 0 to"));
     }
 
     #[test]

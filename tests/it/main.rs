@@ -53,6 +53,7 @@ mod rows_and_textures;
 mod samples;
 mod scenes;
 mod shadow_buffer;
+mod shutter;
 mod sky_light;
 mod slivers;
 mod soft_light;

@@ -17,7 +17,7 @@ pub(crate) use self::{
     short_help::{command, whole_command},
     subject::{Purpose, Stage, Subject, depths},
     time::TimeArguments,
-    values::{above_zero, frames, size},
+    values::{ShutterArgument, above_zero, frames, shutter, size},
 };
 
 use clap::{Args, Parser, Subcommand};

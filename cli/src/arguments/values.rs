@@ -56,6 +56,31 @@ pub(crate) fn pole_merge(text: &str) -> Result<PoleMergeArgument, String> {
     }
 }
 
+/// Shutter of a film: the share of the time between pictures for which it is open, and the number of pictures within
+/// this time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ShutterArgument {
+    pub(crate) open: f64,
+    pub(crate) times: u32,
+}
+
+/// Default and maximum number of pictures while the shutter is open.
+const SHUTTER_TIMES: u32 = 16;
+const MOST_SHUTTER_TIMES: u32 = 256;
+
+pub(crate) fn shutter(text: &str) -> Result<ShutterArgument, String> {
+    let (open, times) = text.split_once(':').map_or((text, None), |(open, times)| (open, Some(times)));
+    let times = times.map_or(Ok(SHUTTER_TIMES), str::parse);
+    match (open.parse(), times) {
+        (Ok(open), Ok(times)) if (0.0..=1.0).contains(&open) && (2..=MOST_SHUTTER_TIMES).contains(&times) => {
+            Ok(ShutterArgument { open, times })
+        }
+        _ => {
+            Err(format!("it must be a share from 0 to 1, optionally followed by : and 2 to {MOST_SHUTTER_TIMES} times"))
+        }
+    }
+}
+
 pub(crate) fn point(text: &str) -> Result<DVec3, String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
     let numbers = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());

@@ -213,7 +213,7 @@ fn make(
 ) -> Result<Value, Box<dyn Error>> {
     let mut progress = |now| progress.show(now);
     let made = match motion {
-        Some(motion) => maker.pair_from(renderer, item, motion.at(item), &mut progress).wait()?,
+        Some(motion) => maker.pair_from(renderer, item, motion.at(item.into()), &mut progress).wait()?,
         None => maker.pair(renderer, item, &mut progress).wait()?,
     };
     let truth = made.truth.as_ref().ok_or("a layout needs ground truth")?;

@@ -57,7 +57,8 @@ impl Motion {
         }
     }
 
-    pub(super) fn at(&self, frame: u32) -> StereoCamera {
+    /// Returns the camera of a picture. Between two pictures, the number has a fraction.
+    pub(super) fn at(&self, frame: f64) -> StereoCamera {
         match self {
             Self::Orbit(camera, frames) => camera.orbited(TAU * frame as f32 / *frames as f32),
             Self::Path(path) => path.at(frame as f32),

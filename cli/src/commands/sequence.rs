@@ -13,13 +13,13 @@ use std::{
 use clap::Args;
 use serde_json::{Value, json};
 use stereotrace::{
-    GBuffer, Lighting, MAX_PATHS, Moment, Options, Scene, StereoCamera, StereoPair, Update, UploadedScene,
+    GBuffer, Lighting, MAX_PATHS, Moment, MotionBlur, Options, Scene, StereoCamera, StereoPair, Update, UploadedScene,
     blocking::Wait, message::counted, output::Batch, output::write_whole,
 };
 
 use super::motion::{MOST, Motion, MotionArguments};
 use crate::{
-    arguments::{Global, Purpose, Stage, Subject, above_zero, frames},
+    arguments::{Global, Purpose, ShutterArgument, Stage, Subject, above_zero, frames, shutter},
     progress::Progress,
     record, shown,
     stop::{Interrupted, Stop},
@@ -59,6 +59,10 @@ pub(crate) struct Arguments {
     /// number of pictures
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = above_zero, allow_hyphen_values = true)]
     fps: f32,
+    /// Blur what moves: the share of the time between pictures for which the shutter is open, such as 0.5 for half of
+    /// it, and the number of times within it that are averaged, 2 to 256 [default: 16]. It excludes --history
+    #[arg(long, value_name = "SHARE[:TIMES]", value_parser = shutter, allow_hyphen_values = true)]
+    shutter: Option<ShutterArgument>,
     /// Write ground truth of each pair into a folder, truth_0000 for picture 0. It has the files of `render`, and the
     /// optical flow, change of disparity and scene flow to both neighbouring pictures. --out must be a folder
     #[arg(long)]
@@ -77,6 +81,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     if arguments.ground_truth && !matches!(names, Names::Folder(_)) {
         return Err(format!("--ground-truth: {} is not a folder", shown(&arguments.out)).into());
     }
+    if arguments.shutter.is_some() && arguments.subject.picture.gives("history") {
+        return Err("--shutter and --history exclude each other: a blurred picture has no single time".into());
+    }
     let film = Film::of(arguments, &stage)?;
     let eyes = arguments.eyes.suiting(&stage.camera.pose()?);
     let all = 0..film.frames();
@@ -87,7 +94,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let stop = Stop::on_signals()?;
     let pending = match names.folder() {
         Some(folder) => {
-            let settings = (&eyes, &film.motion, film.begin.to_bits(), film.fps.to_bits(), arguments.ground_truth);
+            let settings =
+                (&eyes, &film.motion, film.begin.to_bits(), film.fps.to_bits(), arguments.ground_truth, film.shutter);
             let mut record = record::of(&arguments.subject, &stage.scene, &settings)?;
             if let Some(playing) = &stage.playing {
                 record["animation_sha256"] = record::of_animation(&playing.animation).into();
@@ -106,8 +114,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         None => range.clone().collect(),
     };
 
-    stage.options = stage.options.linear(is_open_exr(&arguments.out));
-    if !arguments.subject.picture.gives("history") {
+    stage.options = stage.options.linear(is_open_exr(&arguments.out) || film.shutter.is_some());
+    if !arguments.subject.picture.gives("history") && film.shutter.is_none() {
         stage.options = stage.options.history(HISTORY);
     }
     if arguments.ground_truth {
@@ -188,8 +196,28 @@ fn picture(
             options = options.lighting(Lighting::Paths { bounces, samples });
         }
     }
-    stage.seek(film.seconds(frame))?;
-    stage.render(film.camera(stage, frame)?, options, progress)
+    let blur = blur(stage, film, frame, &options, progress)?;
+    let mut pair = film.at(stage, frame.into(), options.clone(), progress)?;
+    blur.apply(&mut pair, &options)?;
+    Ok(pair)
+}
+
+/// Renders a picture's times while the shutter is open. Without a shutter there are none.
+fn blur(
+    stage: &mut Stage,
+    film: &Film,
+    frame: u32,
+    options: &Options,
+    progress: &mut Progress,
+) -> Result<MotionBlur, stereotrace::Error> {
+    let mut blur = MotionBlur::new();
+    let Some(shutter) = film.shutter else { return Ok(blur) };
+    for (number, offset) in (1..).zip(MotionBlur::offsets(shutter.open, shutter.times)) {
+        // Samples are at other places of their pixels at each time.
+        let options = options.clone().seed(options.seed.wrapping_add(number));
+        blur.add(&film.at(stage, f64::from(frame) + offset, options, progress)?)?;
+    }
+    Ok(blur)
 }
 
 /// Motion of a film's camera and scene.
@@ -201,6 +229,7 @@ struct Film {
     /// Time of picture 0 in seconds.
     begin: f64,
     fps: f32,
+    shutter: Option<ShutterArgument>,
 }
 
 impl Film {
@@ -212,6 +241,7 @@ impl Film {
             duration: stage.playing.as_ref().map_or(0.0, |playing| playing.animation.duration() - playing.begin),
             begin: stage.playing.as_ref().map_or(0.0, |playing| playing.begin),
             fps: arguments.fps,
+            shutter: arguments.shutter,
         })
     }
 
@@ -220,13 +250,25 @@ impl Film {
         self.motion.as_ref().map_or_else(by_time, Motion::frames)
     }
 
-    /// Returns the time of a picture in seconds.
-    fn seconds(&self, frame: u32) -> f64 {
-        self.begin + f64::from(frame) / f64::from(self.fps)
+    /// Returns the time of a picture in seconds. Between two pictures, the number has a fraction.
+    fn seconds(&self, frame: f64) -> f64 {
+        self.begin + frame / f64::from(self.fps)
+    }
+
+    /// Renders the scene at a picture's time.
+    fn at(
+        &self,
+        stage: &mut Stage,
+        frame: f64,
+        options: Options,
+        progress: &mut Progress,
+    ) -> Result<StereoPair, stereotrace::Error> {
+        stage.seek(self.seconds(frame))?;
+        stage.render(self.camera(stage, frame)?, options, progress)
     }
 
     /// Returns the camera of a picture.
-    fn camera(&self, stage: &Stage, frame: u32) -> Result<StereoCamera, stereotrace::Error> {
+    fn camera(&self, stage: &Stage, frame: f64) -> Result<StereoCamera, stereotrace::Error> {
         match (&self.motion, &stage.playing) {
             (Some(motion), _) => Ok(motion.at(frame)),
             (None, Some(playing)) => playing.camera(stage.camera, self.seconds(frame)),
@@ -258,7 +300,7 @@ impl Truth {
         let before = frame.checked_sub(1).map(|before| ("backward", before));
         let after = (frame + 1 < film.frames()).then_some(("forward", frame + 1));
         for (direction, other) in [after, before].into_iter().flatten() {
-            let camera = film.camera(stage, other)?;
+            let camera = film.camera(stage, other.into())?;
             let (scene, uploaded) = match &stage.playing {
                 None => (&stage.scene, &stage.uploaded),
                 Some(playing) => {
@@ -266,7 +308,7 @@ impl Truth {
                         Some(other) => other,
                         none => none.insert((stage.scene.clone(), stage.renderer.upload(&stage.scene).wait()?)),
                     };
-                    playing.animation.pose(scene, film.seconds(other))?;
+                    playing.animation.pose(scene, film.seconds(other.into()))?;
                     stage.renderer.update(uploaded, scene, Update::RefitOrRebuild).wait()?;
                     (&*scene, &*uploaded)
                 }

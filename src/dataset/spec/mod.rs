@@ -41,6 +41,8 @@ pub struct Spec {
     pub(super) motion: Option<Motion>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) layers: Option<LayersEntry>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) sensor: Option<SensorEntry>,
     /// Options of rendering as given.
     pub(super) render: Map<String, Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -226,6 +228,15 @@ impl Output {
     }
 }
 
+/// Noise of the eyes' sensors.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct SensorEntry {
+    /// Electrons of a pixel's channel at linear light 1 after exposure. More electrons are clipped.
+    pub(super) full_well: Drawn<f64>,
+    /// Standard deviation of the read noise in electrons.
+    pub(super) read_noise: Drawn<f64>,
+}
+
 /// How lines of sight meet the surfaces of layers.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct LayersEntry {
@@ -253,6 +264,17 @@ pub(super) struct Motion {
     pub(super) camera: CameraMotion,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) objects: Option<ObjectMotion>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) shutter: Option<Shutter>,
+}
+
+/// Motion blur of both pairs.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Shutter {
+    /// Share of the time to the next pair for which the shutter is open.
+    pub(super) open: Drawn<f64>,
+    /// Number of pictures within this time.
+    pub(super) times: u32,
 }
 
 /// Motion of a camera in its own frame: world units and degrees.

@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use super::{
     AroundEntry, Array, CameraEntry, CameraMotion, Checks, ChecksEntry, Distance, DrawnOption, Eye, Format, Generate,
     LayersEntry, LightEntry, Lights, MergeEntry, Motion, ObjectMotion, OriginEntry, Output, Poses, RandomLights,
-    RandomMaterials, Randomise, Rig, SceneEntry, SceneKind, SkyEntry, Source, Spec,
+    RandomMaterials, Randomise, Rig, SceneEntry, SceneKind, SensorEntry, Shutter, SkyEntry, Source, Spec,
     fields::{
         Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
         text, whole, within,
@@ -38,6 +38,13 @@ const MOST_REDRAWS: u32 = 1000;
 const NO_SOURCE: &str = "give a file, the name of a built-in scene, or the kind of a generated scene";
 /// Default time from a pair to the next one in seconds.
 const STEP: f64 = 1.0 / 24.0;
+/// Default share of this time for which the shutter is open: half of it, as in films.
+const OPEN: f64 = 0.5;
+/// Default and maximum number of pictures while the shutter is open.
+const TIMES: u32 = 16;
+const MOST_TIMES: u32 = 256;
+/// Maximum number of electrons of a sensor. Sensors of cameras have 1,000 to 100,000.
+const MOST_ELECTRONS: f64 = 1e7;
 
 pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     let value = match serde_json::from_str(text) {
@@ -57,6 +64,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     let randomise = fields.get("randomise", randomise)?;
     let motion = fields.get("motion", motion)?;
     let layers = fields.get("layers", layers)?;
+    let sensor = fields.get("sensor", sensor)?;
     let render = fields.get("render", render)?;
     let outputs = fields.get("outputs", outputs)?;
     let compress = fields.get("compress", flag)?;
@@ -90,6 +98,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
         randomise: randomise.unwrap_or_default(),
         motion,
         layers: layers.or(has_layers.then_some(LAYERS)),
+        sensor,
         render,
         outputs: (!is_layout).then_some(names),
         compress: (!is_layout).then(|| compress.unwrap_or(false)),
@@ -573,9 +582,27 @@ fn motion(value: &Value, at: &str) -> Result<Motion, Error> {
         step: fields.get("step", drawn(above_zero(f64::INFINITY)))?.unwrap_or(Drawn::Value(STEP)),
         camera: fields.get("camera", camera_motion)?.unwrap_or_default(),
         objects: fields.get("objects", object_motion)?,
+        shutter: fields.get("shutter", shutter)?,
     };
     fields.end()?;
     Ok(found)
+}
+
+fn shutter(value: &Value, at: &str) -> Result<Shutter, Error> {
+    let fields = Fields::of(value, at)?;
+    let open = fields.get("open", drawn(within(0.0, 1.0)))?;
+    let times = fields.get("times", whole(2, MOST_TIMES))?;
+    fields.end()?;
+    Ok(Shutter { open: open.unwrap_or(Drawn::Value(OPEN)), times: times.unwrap_or(TIMES) })
+}
+
+fn sensor(value: &Value, at: &str) -> Result<SensorEntry, Error> {
+    let fields = Fields::of(value, at)?;
+    let full_well = fields.get("full_well", drawn(within(1.0, MOST_ELECTRONS)))?;
+    let read_noise = fields.get("read_noise", drawn(within(0.0, MOST_ELECTRONS)))?;
+    fields.end()?;
+    let full_well = fields.needed("full_well", full_well)?;
+    Ok(SensorEntry { full_well, read_noise: read_noise.unwrap_or(Drawn::Value(0.0)) })
 }
 
 fn layers(value: &Value, at: &str) -> Result<LayersEntry, Error> {

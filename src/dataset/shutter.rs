@@ -1,0 +1,51 @@
+//! What a camera adds to an item's pictures: motion blur and noise. Depths, ids and ground truth stay the same.
+
+use super::{
+    draws::Draws,
+    sensor::Sensor,
+    spec::{Motion, SensorEntry, Spec},
+    stage::Stage,
+};
+use crate::{Error, MotionBlur, Options, Renderer, StereoCamera, StereoPair};
+
+/// Returns the blur of the pair at a time of the item's motion, or one that changes nothing if the spec has no shutter.
+/// The time is 0 at the first pair and 1 at the next pair.
+pub(super) async fn blur(
+    renderer: &mut Renderer,
+    stage: &mut Stage,
+    motion: &Motion,
+    (draws, options): (&Draws, &Options),
+    camera: StereoCamera,
+    middle: f64,
+) -> Result<MotionBlur, Error> {
+    let mut blur = MotionBlur::new();
+    let Some(shutter) = &motion.shutter else { return Ok(blur) };
+    let open = draws.draw(&shutter.open, "motion.shutter.open");
+    for (number, offset) in (1..).zip(MotionBlur::offsets(open, shutter.times)) {
+        let camera = stage.advance(renderer, motion, draws, camera, middle + offset).await?;
+        // Samples are at other places of their pixels at each time.
+        let options = options.clone().seed(options.seed.wrapping_add(number));
+        let (_, uploaded) = stage.next()?;
+        blur.add(&renderer.pair(uploaded, &camera).options(&options).read().await?)?;
+    }
+    Ok(blur)
+}
+
+impl Spec {
+    /// Returns whether pictures are changed in linear light after rendering.
+    pub(super) fn changes_light(&self) -> bool {
+        self.sensor.is_some() || self.motion.as_ref().is_some_and(|motion| motion.shutter.is_some())
+    }
+}
+
+impl SensorEntry {
+    /// Adds the sensor's noise to a pair. `name` names its random numbers.
+    pub(super) fn expose(&self, pair: &mut StereoPair, options: &Options, draws: &Draws, name: &str) {
+        let draw = |value, key: &str| draws.draw(value, &format!("sensor.{key}"));
+        let sensor =
+            Sensor { full_well: draw(&self.full_well, "full_well"), read_noise: draw(&self.read_noise, "read_noise") };
+        for (view, eye) in [(&mut pair.left, "left"), (&mut pair.right, "right")] {
+            sensor.expose(view, options, draws.bits(&format!("sensor.{name}.{eye}")));
+        }
+    }
+}
