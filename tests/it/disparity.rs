@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{is_exact, nearest::nearest, renderer};
+use common::{cases, is_exact, nearest::nearest, renderer};
 use stereotrace::{
     Builtin, Error, GBuffer, Method, Occlusion, Options, Pose, Ray, StereoPair,
     blocking::Wait,
@@ -56,7 +56,7 @@ impl Pinhole<'_> {
 
 #[test]
 fn a_point_moves_by_its_disparity_from_eye_to_eye() {
-    for &builtin in Builtin::ALL {
+    for &builtin in cases(Builtin::ALL, 4).into_iter().chain(&[Builtin::Near]) {
         let pair = render(builtin);
         let [left, right] = [-1.0, 1.0].map(|side| Pinhole { pose: &pair.pose, side });
         let sides = [(&pair.left, pair.disparity(), &left), (&pair.right, pair.right_disparity(), &right)];

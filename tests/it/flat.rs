@@ -3,10 +3,10 @@
 
 use crate::common;
 
-use common::{is_exact, render, renderer, renderer_by};
+use common::{is_exact, render, renderer, renderer_by, traversals};
 use stereotrace::{
-    BvhBuild, Error, Light, MaterialId, Method, Options, Pose, RaysPerLane, Renderer, Scene, ShadowBuffer, ShadowRule,
-    Sphere, StereoCamera, StereoPair, Traversal, Update, UploadedScene, Visibility, Work,
+    BvhBuild, Error, Light, MaterialId, Method, Options, Pose, Renderer, Scene, ShadowBuffer, ShadowRule, Sphere,
+    StereoCamera, StereoPair, Update, UploadedScene, Visibility, Work,
     blocking::Wait,
     glam::{Affine3A, DVec3, Vec3},
     scene::builtin::{Builtin, StackedKind, StackedObjects},
@@ -61,9 +61,7 @@ fn a_list_shows_what_a_tree_shows_bit_for_bit() {
 fn methods_and_lanes_go_through_lists_too() {
     let (scene, camera) = stack(200, StackedKind::Spheres, 48);
     let three = (Builtin::ThreeSpheresTextured.scene(), Builtin::ThreeSpheresTextured.camera(48, 32));
-    for traversal in
-        Traversal::ALL.iter().copied().filter(|one| one.rays == RaysPerLane::One || one == &Traversal::ALL[0])
-    {
+    for traversal in traversals() {
         let mut renderer = renderer_by(traversal);
         let exact = is_exact(&renderer);
         for (scene, camera) in [(&scene, &camera), (&three.0, &three.1)] {

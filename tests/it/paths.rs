@@ -673,7 +673,11 @@ fn denoised_pictures_are_nearer_to_the_converged_picture() {
         scene.sky = Sky::Constant(Vec3::splat(0.4));
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let mut pair = |options: &Options| renderer.pair(&uploaded, &camera).options(options).read().wait().unwrap();
-        for (samples, paths) in [(1, 8), (4, 8)] {
+        // The short form has one sample in the corner, and four in the room.
+        let cases = [(1, 8), (4, 8)]
+            .into_iter()
+            .filter(|(samples, _)| common::is_long() || (*samples == 1) == (name == "corner"));
+        for (samples, paths) in cases {
             let converged = pair(&by_paths(512, 3).samples(samples).jitter(false).seed(1));
             let noisy = pair(&by_paths(paths, 3).samples(samples).jitter(false));
             let denoised = pair(&by_paths(paths, 3).samples(samples).jitter(false).denoise(true));

@@ -33,7 +33,7 @@ fn every_built_in_scene_is_that_of_rays() {
 
 #[test]
 fn every_trial_is_that_of_rays() {
-    for &trial in cases(Trial::ALL, 3) {
+    for &trial in cases(Trial::ALL, 5) {
         by_all_methods(trial.name(), &trial.scene(), &trial.camera(79, 54));
     }
 }

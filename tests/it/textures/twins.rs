@@ -1,14 +1,13 @@
 //! Tests that every traversal and `bracket-rays` give the same picture.
 
 use stereotrace::{
-    Boxes, Ellipsoid, Fetch, Light, Material, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera, Texture,
-    Traversal, Wrap,
+    Ellipsoid, Light, Material, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera, Texture, Wrap,
     blocking::Wait,
     glam::{Mat3, Vec2, Vec3},
 };
 
 use super::{common, noise, square};
-use common::{ball, compares_bits, renderer_by};
+use common::{ball, compares_bits, renderer_by, traversals};
 
 /// Returns pictures, a checkerboard, vertex colours, highlights and emission on flat and smooth triangles, spheres and
 /// ellipsoids.
@@ -61,9 +60,7 @@ fn textured_scenes_look_alike_by_every_traversal_and_by_bracket() {
         .interaxial_pixels(7.0);
     for (name, scene) in [("spheres", everything()), ("ellipsoids", with_ellipsoids(everything()))] {
         let mut first = None;
-        // The kind of boxes does not change hits. So one kind is enough for each pair of the other choices.
-        let apart = Traversal::ALL.iter().filter(|with| (with.boxes == Boxes::F32) == (with.fetch == Fetch::Texture));
-        for &traversal in apart {
+        for traversal in traversals() {
             let mut renderer = renderer_by(traversal);
             if !compares_bits(&renderer) {
                 return;
