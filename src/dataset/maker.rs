@@ -330,6 +330,7 @@ impl PairMaker {
         let mut pair = renderer.pair(stage.uploaded()?, &camera).options(&options).progress(progress).read().await?;
         let mut next_blur = MotionBlur::new();
         if let Some(motion) = &spec.motion {
+            let motion = (motion, spec.poses.path());
             let first = shutter::blur(renderer, stage, motion, (draws, &options), camera, 0.0).await?;
             first.apply(&mut pair, &options)?;
             next_blur = shutter::blur(renderer, stage, motion, (draws, &options), camera, 1.0).await?;
@@ -346,7 +347,7 @@ impl PairMaker {
         let next = match &spec.motion {
             None => None,
             Some(motion) => {
-                let next_camera = stage.advance(renderer, motion, draws, camera, 1.0).await?;
+                let next_camera = stage.advance(renderer, (motion, spec.poses.path()), draws, camera, 1.0).await?;
                 let (scene, uploaded) = stage.next()?;
                 let mut next = renderer.pair(uploaded, &next_camera).options(&options).read().await?;
                 next_blur.apply(&mut next, &options)?;

@@ -6,14 +6,14 @@ use super::{
     spec::{Motion, SensorEntry, Spec},
     stage::Stage,
 };
-use crate::{Error, MotionBlur, Options, Renderer, StereoCamera, StereoPair};
+use crate::{CameraPath, Error, MotionBlur, Options, Renderer, StereoCamera, StereoPair};
 
 /// Returns the blur of the pair at a time of the item's motion, or one that changes nothing if the spec has no shutter.
 /// The time is 0 at the first pair and 1 at the next pair.
 pub(super) async fn blur(
     renderer: &mut Renderer,
     stage: &mut Stage,
-    motion: &Motion,
+    (motion, path): (&Motion, Option<&CameraPath>),
     (draws, options): (&Draws, &Options),
     camera: StereoCamera,
     middle: f64,
@@ -22,7 +22,7 @@ pub(super) async fn blur(
     let Some(shutter) = &motion.shutter else { return Ok(blur) };
     let open = draws.draw(&shutter.open, "motion.shutter.open");
     for (number, offset) in (1..).zip(MotionBlur::offsets(open, shutter.times)) {
-        let camera = stage.advance(renderer, motion, draws, camera, middle + offset).await?;
+        let camera = stage.advance(renderer, (motion, path), draws, camera, middle + offset).await?;
         // Samples are at other places of their pixels at each time.
         let options = options.clone().seed(options.seed.wrapping_add(number));
         let (_, uploaded) = stage.next()?;

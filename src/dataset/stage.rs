@@ -16,8 +16,8 @@ use super::{
     },
 };
 use crate::{
-    Animation, Builtin, Error, Light, Material, MaterialId, MissingTextures, Origin, OutsideFiles, Projection,
-    Renderer, Scene, SceneFile, SceneOptions, Sky, SkyMap, StereoCamera, Update, UploadedScene,
+    Animation, Builtin, CameraPath, Error, Light, Material, MaterialId, MissingTextures, Origin, OutsideFiles,
+    Projection, Renderer, Scene, SceneFile, SceneOptions, Sky, SkyMap, StereoCamera, Update, UploadedScene,
     camera::{HUMAN_INTERAXIAL, Intrinsics},
     scene::content::hex,
 };
@@ -198,7 +198,7 @@ impl Stage {
     pub(super) async fn advance(
         &mut self,
         renderer: &Renderer,
-        motion: &Motion,
+        (motion, path): (&Motion, Option<&CameraPath>),
         draws: &Draws,
         camera: StereoCamera,
         time: f64,
@@ -220,7 +220,13 @@ impl Stage {
             }
         };
         self.next = Some((scene, uploaded));
-        moved_camera(camera, &motion.camera, draws, time)
+        match path {
+            None => moved_camera(camera, &motion.camera, draws, time),
+            Some(path) => {
+                let there = path.at((f64::from(draws.item) + time) as f32);
+                Ok(camera.eye(there.eye_position()).target(there.target_position()).up(there.up_direction()))
+            }
+        }
     }
 
     /// Returns the scene of the time that was last made.
@@ -234,16 +240,21 @@ impl Stage {
         if let Some(digest) = &self.digest {
             return Ok(digest.clone());
         }
-        let camera = self.camera(spec, index)?.to_json()?;
+        let first = Draws { seed: spec.seed, item: 0, attempt: 0 };
+        let camera = self.camera(spec, index, &first)?.to_json()?;
         let mut hash = Sha256::new();
         hash.update(format!("{} {camera}", self.scene.sha256()));
         self.animations.iter().for_each(|animation| animation.content(|bytes| hash.update(bytes)));
+        hash.update(content_of_path(spec));
         Ok(hex(&hash.finalize()))
     }
 
     /// Returns the camera that the spec gives for the scene, or the scene's own.
-    fn camera(&self, spec: &Spec, index: usize) -> Result<StereoCamera, Error> {
-        let [width, height] = spec.size;
+    fn camera(&self, spec: &Spec, index: usize, draws: &Draws) -> Result<StereoCamera, Error> {
+        let [width, height] = spec.size.draw(draws);
+        if let Some(path) = spec.poses.path() {
+            return Ok(path.at(draws.item as f32).size(width, height));
+        }
         let given = spec.scenes[index].camera.as_ref();
         let named = given.and_then(|given| given.name.as_deref());
         let own = match named {
@@ -282,7 +293,7 @@ impl Stage {
         if let Some(given) = self.given {
             return Ok(given);
         }
-        let (own, rig) = (self.camera(spec, index)?, &spec.rig);
+        let (own, rig) = (self.camera(spec, index, draws)?, &spec.rig);
         let draw =
             |value: &Option<_>, name: &str| value.as_ref().map(|value| draws.draw(value, &format!("rig.{name}")));
         let separation = draw(&rig.interaxial, "interaxial").or_else(|| draw(&rig.baseline, "baseline"));
@@ -306,7 +317,7 @@ impl Stage {
             camera = camera.vertical_fov_degrees(degrees as f32);
         }
         if let Some(fx) = draw(&rig.fx, "fx") {
-            let [width, height] = spec.size.map(f64::from);
+            let [width, height] = spec.size.draw(draws).map(f64::from);
             let center = [draw(&rig.cx, "cx").unwrap_or(width / 2.0), draw(&rig.cy, "cy").unwrap_or(height / 2.0)];
             camera = camera.intrinsics(Intrinsics::new([fx, draw(&rig.fy, "fy").unwrap_or(fx)], center));
             if separation.is_none() && rig.interaxial_px.is_none() {
@@ -338,7 +349,7 @@ impl Stage {
     ) -> Result<RandomPose, Error> {
         let camera = self.rigged(spec, index, draws)?;
         match &spec.poses {
-            Poses::Fixed => Ok(RandomPose { camera, tries: 1 }),
+            Poses::Fixed | Poses::Path { .. } => Ok(RandomPose { camera, tries: 1 }),
             Poses::Orbit { turn, rise, distance } => {
                 let turn = draws.draw(turn, "poses.turn").to_radians();
                 let rise = draws.draw(rise, "poses.rise").to_radians();
@@ -365,7 +376,7 @@ impl Stage {
     ) -> Result<RandomPose, Error> {
         // Near the poles of equirectangular pictures, disparities are as large as the picture.
         let usual = match spec.rig.around {
-            None => DISPARITY_SHARE * f64::from(spec.size[0]),
+            None => DISPARITY_SHARE * f64::from(camera.pose()?.size[0]),
             Some(_) => f64::INFINITY,
         };
         let limit = limit.unwrap_or(usual) as f32;
@@ -518,8 +529,14 @@ pub(super) fn generator_sha256(spec: &Spec, index: usize, assets: &Assets) -> Re
     let options = (&entry.source, &entry.camera);
     let options = serde_json::to_string(&options)
         .map_err(|error| Error::Spec { key: format!("scenes[{index}]"), reason: error.to_string() })?;
-    let text = format!("generator {} {options} {} {}", generate::VERSION, assets.digest(), sky.scene.sha256());
+    let (sky, path) = (sky.scene.sha256(), content_of_path(spec));
+    let text = format!("generator {} {options} {} {sky}{path}", generate::VERSION, assets.digest());
     Ok(hex(&Sha256::digest(text)))
+}
+
+/// Returns the cameras of a path as text, or nothing.
+fn content_of_path(spec: &Spec) -> String {
+    spec.poses.path().map_or_else(String::new, |path| format!(" {path:?}"))
 }
 
 /// Moves a camera about its target by two angles in radians, and scales its distance.

@@ -103,12 +103,12 @@ mod made {
 
     use serde_json::json;
     use stereotrace::{
-        Error, Renderer,
+        CameraPath, Error, Limits, Renderer, StereoCamera,
         blocking::Wait,
         dataset::{MadePair, PairMaker, Spec},
     };
 
-    use super::renderer;
+    use super::{common::folder::Folder, renderer};
 
     const SPEC: &str = r#"{
         "seed": 11, "pairs": 12, "size": [32, 24],
@@ -278,6 +278,66 @@ mod made {
         let off = blurred.iter().zip(mean).map(|(blurred, mean)| (blurred[1] - mean).abs()).fold(0.0, f32::max);
         // The noise of 1e7 electrons is 3e-4, and the largest of 1,536 pixels about four times as far off.
         assert!(off < 2e-3, "{off}");
+    }
+
+    #[test]
+    fn sizes_are_drawn_among_those_given() {
+        let mut renderer = renderer();
+        let spec = r#"{"pairs": 9, "size": {"choice": [[40, 30], [24, 48]]}, "scenes": [{"builtin": "near"}]}"#;
+        let mut maker = of_spec(spec);
+        let sizes = Vec::from_iter((0..9).map(|item| {
+            let made = made(&mut maker, &mut renderer, item).unwrap();
+            assert_eq!(made.pair.left.depth.len() as u32, made.pair.left.width * made.pair.left.height);
+            made.camera.pose().unwrap().size
+        }));
+        assert!([[40, 30], [24, 48]].iter().all(|size| sizes.contains(size)), "{sizes:?}");
+        assert_eq!(made(&mut of_spec(spec), &mut renderer, 5).unwrap().camera.pose().unwrap().size, sizes[5]);
+        let text = maker.spec().to_json();
+        assert_eq!(Spec::from_json(&text, ".").unwrap().to_json(), text);
+        let message = Spec::from_json(&spec.replace("[24, 48]", "[24, 0]"), ".").unwrap_err().to_string();
+        assert!(message.starts_with("size.choice[1][1]: 0 must be a whole number"), "{message}");
+    }
+
+    #[test]
+    fn items_of_a_path_have_its_cameras_and_so_have_their_next_pairs() {
+        let (folder, mut renderer) = (Folder::new("path"), renderer());
+        let camera = |frame: u32, eye: [f32; 3], target: [f32; 3]| {
+            json!({
+                "frame": frame, "eye": eye, "target": target, "up": [0, 1, 0],
+                "eye_separation": 0.1, "vfov_deg": 50, "screen_distance": 4,
+            })
+        };
+        let keys = |x: f32| {
+            json!([camera(0, [0.0, 1.0, 4.0], [0.0; 3]), camera(4, [x, 1.0, 4.0], [0.0, 0.5, 0.0])]).to_string()
+        };
+        let file = folder.write("walk.json", keys(2.0));
+        let spec = |pairs: u32, motion: &str| {
+            let poses = r#""poses": {"kind": "path", "file": "walk.json"}"#;
+            let text = format!(
+                r#"{{"pairs": {pairs}, "size": [32, 24], {poses}, "scenes": [{{"builtin": "near"}}]{motion}}}"#
+            );
+            Spec::from_json(&text, file.parent().unwrap())
+        };
+        let path = CameraPath::from_json_within(&file, 32, 24, &Limits::default()).unwrap();
+        let mut maker = PairMaker::new(spec(4, r#", "motion": {}"#).unwrap());
+        for item in [2, 0, 3] {
+            let made = made(&mut maker, &mut renderer, item).unwrap();
+            let of = |camera: StereoCamera| (camera.eye_position(), camera.target_position(), camera.up_direction());
+            assert_eq!(of(made.camera), of(path.at(item as f32)));
+            assert_eq!(of(made.next.unwrap().camera), of(path.at(item as f32 + 1.0)));
+            assert_eq!(made.camera.pose().unwrap().interaxial, 0.1);
+        }
+        let hash = maker.scene_sha256(0).unwrap();
+        let message = |pairs, motion| spec(pairs, motion).unwrap_err().to_string();
+        assert_eq!(message(6, ""), "pairs: 6, but 'walk.json' has 5 frames");
+        assert!(message(5, r#", "motion": {}"#).contains("has 5 frames, and motion needs one more"));
+        assert!(
+            message(2, r#", "motion": {"camera": {"up": 1}}"#).starts_with("motion.camera: the path of poses.file")
+        );
+        folder.write("walk.json", keys(3.0));
+        assert_ne!(PairMaker::new(spec(4, r#", "motion": {}"#).unwrap()).scene_sha256(0).unwrap(), hash);
+        folder.write("walk.json", "[");
+        assert!(message(2, "").contains("walk.json"), "{}", message(2, ""));
     }
 
     #[test]

@@ -155,10 +155,11 @@ def _array(spec: Spec, array: Any, output: str) -> str | None:
     """Returns what is wrong with an array."""
     if output == "json":
         return None if isinstance(array, dict) and "camera" in array else "it has no camera"
-    width, height = spec["size"]
+    sizes = spec["size"]["choice"] if isinstance(spec["size"], dict) else [spec["size"]]
     start = 1 if output.startswith("layer_") and output != "layer_count" else 0
-    if array.shape[start : start + 2] != (height, width):
-        return f"its shape is {array.shape}, but pictures have {width}x{height} pixels"
+    if list(array.shape[start : start + 2]) not in [[height, width] for width, height in sizes]:
+        names = " or ".join(f"{width}x{height}" for width, height in sizes)
+        return f"its shape is {array.shape}, but pictures have {names} pixels"
     # Flow behind the eye and layers that are not known are NaN.
     may_be_nan = output in ("flow", "disparity_change", "layer_disparity", "layer_vertical_disparity")
     if array.dtype.kind == "f" and not may_be_nan and (wrong := np.isnan(array).sum()):

@@ -12,7 +12,7 @@ use super::{
     Layout,
     draws::{Drawn, Draws},
 };
-use crate::{Builtin, Channel, Equirectangular, Error, Layering, Options, PoleMerge, Span};
+use crate::{Builtin, CameraPath, Channel, Equirectangular, Error, Layering, Options, PoleMerge, Span};
 
 /// The checked spec of a data set.
 ///
@@ -32,7 +32,7 @@ pub struct Spec {
     pub(super) pairs: u32,
     pub(super) shard_pairs: u32,
     pub(super) format: Format,
-    pub(super) size: [u32; 2],
+    pub(super) size: Size,
     pub(super) scenes: Vec<SceneEntry>,
     pub(super) poses: Poses,
     pub(super) rig: Rig,
@@ -61,6 +61,30 @@ pub struct Spec {
     /// Output arrays of the eyes, in the order of files.
     #[serde(skip)]
     arrays: Vec<Array>,
+}
+
+/// Width and height of the pictures: one size, or several to choose from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub(super) enum Size {
+    One([u32; 2]),
+    Several { choice: Vec<[u32; 2]> },
+}
+
+impl Size {
+    pub(super) fn all(&self) -> &[[u32; 2]] {
+        match self {
+            Self::One(size) => std::slice::from_ref(size),
+            Self::Several { choice } => choice,
+        }
+    }
+
+    pub(super) fn draw(&self, draws: &Draws) -> [u32; 2] {
+        match self {
+            Self::One(size) => *size,
+            Self::Several { choice } => choice[draws.index(choice.len(), "size")],
+        }
+    }
 }
 
 /// Distribution of an option of rendering.
@@ -292,6 +316,13 @@ pub(super) struct CameraMotion {
     pub(super) rise: Option<Drawn<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) roll: Option<Drawn<f64>>,
+}
+
+impl CameraMotion {
+    pub(super) fn is_given(&self) -> bool {
+        let Self { right, up, forward, turn, rise, roll } = self;
+        [right, up, forward, turn, rise, roll].into_iter().any(Option::is_some)
+    }
 }
 
 /// Motion of single objects.
@@ -559,6 +590,23 @@ pub(super) enum Poses {
         distance: Drawn<f64>,
     },
     Fixed,
+    /// Cameras of a file: item i has the camera of frame i.
+    Path {
+        file: String,
+        /// Its content; `None` until it is read.
+        #[serde(skip)]
+        path: Option<CameraPath>,
+    },
+}
+
+impl Poses {
+    /// Returns the cameras of a path.
+    pub(super) fn path(&self) -> Option<&CameraPath> {
+        match self {
+            Self::Path { path, .. } => path.as_ref(),
+            Self::Free { .. } | Self::Orbit { .. } | Self::Fixed => None,
+        }
+    }
 }
 
 /// Fields of the camera that replace those of the scene's.

@@ -7,14 +7,14 @@ use serde_json::{Map, Value};
 use super::{
     AroundEntry, Array, CameraEntry, CameraMotion, Checks, ChecksEntry, Distance, DrawnOption, Eye, Format, Generate,
     LayersEntry, LightEntry, Lights, MergeEntry, Motion, ObjectMotion, OriginEntry, Output, Poses, RandomLights,
-    RandomMaterials, Randomise, Rig, SceneEntry, SceneKind, SensorEntry, Shutter, SkyEntry, Source, Spec,
+    RandomMaterials, Randomise, Rig, SceneEntry, SceneKind, SensorEntry, Shutter, Size, SkyEntry, Source, Spec,
     fields::{
         Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
         text, whole, within,
     },
 };
 use crate::{
-    Builtin, Channel, Error, Layering, Lighting, Maker, Method, Options, PoleMerge,
+    Builtin, CameraPath, Channel, Error, Layering, Lighting, Limits, Maker, Method, Options, PoleMerge,
     dataset::{
         draws::{Drawn, Normal, PLACES, Span},
         generate::MOST_OBJECTS,
@@ -57,7 +57,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     let pairs = fields.get("pairs", whole(1, MOST_PAIRS))?;
     let shard_pairs = fields.get("shard_pairs", whole(1, 100_000))?;
     let format = fields.get("format", one_of(Format::all()))?.unwrap_or(Format::WebDataset);
-    let size = fields.get("size", array(whole(1, LONGEST_SIDE)))?;
+    let size = fields.get("size", size)?;
     let scenes = fields.get("scenes", scenes)?;
     let poses = fields.get("poses", poses)?;
     let rig = fields.get("rig", rig)?;
@@ -85,13 +85,13 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
         Some(crate::Span::Full) => [1024, 512],
         Some(crate::Span::Half) => [512, 512],
     };
-    let spec = Spec {
+    let mut spec = Spec {
         name: name.unwrap_or_else(|| "pairs".into()),
         seed: seed.unwrap_or(0),
         pairs: fields.needed("pairs", pairs)?,
         shard_pairs: shard_pairs.unwrap_or(64),
         format,
-        size: size.unwrap_or(default_size),
+        size: size.unwrap_or(Size::One(default_size)),
         scenes: fields.needed("scenes", scenes)?,
         poses: poses.unwrap_or(Poses::Free { clearance: None, max_disparity: None, min_surfaces: None }),
         rig: rig.unwrap_or_default(),
@@ -107,11 +107,39 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
         drawn_options,
         arrays,
     };
+    read_path(&mut spec)?;
     check_together(&spec)?;
     for options in ends {
         check_together(&Spec { options, ..spec.clone() })?;
     }
     Ok(spec)
+}
+
+/// Reads a size, or sizes to choose from.
+fn size(value: &Value, at: &str) -> Result<Size, Error> {
+    let one = array(whole(1, LONGEST_SIDE));
+    let Value::Object(_) = value else { return one(value, at).map(Size::One) };
+    let fields = Fields::of(value, at)?;
+    let choice = fields.get("choice", list(one))?;
+    fields.end()?;
+    match fields.needed("choice", choice)? {
+        choice if choice.is_empty() => fault(&fields.path("choice"), "there is nothing to choose from"),
+        choice => Ok(Size::Several { choice }),
+    }
+}
+
+/// Reads the cameras of [`Poses::Path`], and checks that there is one for each pair.
+fn read_path(spec: &mut Spec) -> Result<(), Error> {
+    let Poses::Path { file, path } = &mut spec.poses else { return Ok(()) };
+    let [width, height] = spec.size.all()[0];
+    let read = CameraPath::from_json_within(spec.folder.join(&*file), width, height, &Limits::default())?;
+    let needed = u64::from(spec.pairs) + u64::from(spec.motion.is_some());
+    if needed > u64::from(read.frames()) {
+        let next = if spec.motion.is_some() { ", and motion needs one more" } else { "" };
+        return fault("pairs", format!("{}, but '{file}' has {} frames{next}", spec.pairs, read.frames()));
+    }
+    *path = Some(read);
+    Ok(())
 }
 
 /// Reads a value or a distribution of values. Both ends of a range must be valid values.
@@ -367,9 +395,10 @@ fn poses(value: &Value, at: &str) -> Result<Poses, Error> {
         Free,
         Orbit,
         Fixed,
+        Path,
     }
     let fields = Fields::of(value, at)?;
-    let kinds = vec![("free", &Kind::Free), ("orbit", &Kind::Orbit), ("fixed", &Kind::Fixed)];
+    let kinds = vec![("free", &Kind::Free), ("orbit", &Kind::Orbit), ("fixed", &Kind::Fixed), ("path", &Kind::Path)];
     let found = match fields.get("kind", one_of(kinds))?.unwrap_or(&Kind::Free) {
         Kind::Free => Poses::Free {
             clearance: fields.get("clearance", drawn(from_zero()))?,
@@ -382,6 +411,10 @@ fn poses(value: &Value, at: &str) -> Result<Poses, Error> {
             distance: fields.get("distance", drawn(above_zero(f64::INFINITY)))?.unwrap_or(Drawn::Value(1.0)),
         },
         Kind::Fixed => Poses::Fixed,
+        Kind::Path => {
+            let file = fields.get("file", text)?;
+            Poses::Path { file: fields.needed("file", file)?, path: None }
+        }
     };
     fields.end()?;
     Ok(found)
@@ -746,8 +779,18 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
         };
         return fault("format", reason);
     }
-    if let Some(reason) = spec.rig.around.and_then(|around| around.projection.shape_fault(spec.size)) {
+    let shape_fault = |size: &[u32; 2]| spec.rig.around.and_then(|around| around.projection.shape_fault(*size));
+    if let Some(reason) = spec.size.all().iter().find_map(shape_fault) {
         return fault("size", reason);
+    }
+    let moves = spec.motion.as_ref().is_some_and(|motion| motion.camera.is_given());
+    if moves && spec.poses.path().is_some() {
+        return fault("motion.camera", "the path of poses.file moves the camera: leave it out");
+    }
+    if spec.poses.path().is_some()
+        && let Some(index) = spec.scenes.iter().position(|scene| scene.camera.is_some())
+    {
+        return fault(&format!("scenes[{index}].camera"), "poses.file gives the cameras: leave it out");
     }
     // Cameras with one cx for both eyes are parallel, unless a screen distance is given.
     let is_parallel = match &spec.rig.screen_distance {
