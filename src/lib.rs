@@ -182,11 +182,14 @@ pub use scene::{
     Sky, SkyMap, Sphere, Texture, TextureId, TextureKind, Triangle, Wrap,
 };
 pub use truth::channels::{Channels, Values};
+pub use truth::correspondence::{Correspondence, EyeMatches, MatchClass};
 pub use truth::disparity::Occlusion;
 pub use truth::flow::{EyeFlow, Flow, FlowClass, Moment};
 pub use truth::ground_truth::{EyeTruth, GroundTruth};
 pub use truth::layers::{EyeLayers, LayerClass, Layering, Layers};
 pub use truth::occlusion::Occlusions;
 pub use truth::surface::Surface;
-pub use view::camera::{CameraPath, Comfort, Equirectangular, FAR, PoleMerge, Pose, Projection, Span, StereoCamera};
+pub use view::camera::{
+    CameraPath, Comfort, Distortion, Equirectangular, FAR, Lens, PoleMerge, Pose, Projection, Span, StereoCamera,
+};
 pub use view::rig::{MAX_VIEWS, Rig};

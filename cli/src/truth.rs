@@ -2,15 +2,36 @@
 
 use std::{error::Error, path::Path};
 
-use stereotrace::{Flow, GroundTruth, Layering, Layers, output::Batch};
+use stereotrace::{Flow, GroundTruth, Layering, Layers, Projection, StereoPair, blocking::Wait, output::Batch};
+
+use crate::arguments::Stage;
+
+/// Adds the ground truth of both views. With lenses, places in the other picture replace disparities.
+pub(crate) fn add_truth_of(
+    batch: &mut Batch,
+    stage: &Stage,
+    pair: &StereoPair,
+    folder: &Path,
+) -> Result<(), Box<dyn Error>> {
+    add_truth(batch, &stage.renderer.ground_truth(&stage.uploaded, &stage.scene, pair).wait()?, folder)?;
+    if let Projection::Lenses(_) = pair.pose.projection {
+        let matches = stage.renderer.correspondence(&stage.uploaded, pair).wait()?;
+        for (n, eye) in [&matches.left, &matches.right].into_iter().enumerate() {
+            batch.add_matches_flo(folder.join(format!("match{n}.flo")), eye)?;
+        }
+    }
+    Ok(())
+}
 
 /// Adds the ground truth of both views. KITTI's disparities are added for parallel cameras only: with a finite screen
 /// they are negative behind it, which these files can't hold.
-pub(crate) fn add_truth(batch: &mut Batch, truth: &GroundTruth, folder: &Path) -> Result<(), Box<dyn Error>> {
+fn add_truth(batch: &mut Batch, truth: &GroundTruth, folder: &Path) -> Result<(), Box<dyn Error>> {
     for (n, eye) in [&truth.left, &truth.right].into_iter().enumerate() {
         let (width, height) = (eye.width, eye.height);
         let file = |name: &str, ending: &str| folder.join(format!("{name}{n}.{ending}"));
-        batch.add_pfm(file("disp", "pfm"), width, height, &eye.disparity)?;
+        if !eye.disparity.is_empty() {
+            batch.add_pfm(file("disp", "pfm"), width, height, &eye.disparity)?;
+        }
         batch.add_nocc_mask(folder.join(format!("mask{n}nocc.png")), eye)?;
         batch.add_occlusion(file("occlusion", "png"), eye)?;
         batch.add_sky_mask(file("sky", "png"), eye)?;

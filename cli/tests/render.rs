@@ -139,6 +139,43 @@ fn layers_are_written_for_each_surface_along_a_line_of_sight() {
 }
 
 #[test]
+fn lenses_are_files_or_text() {
+    let folder = Folder::new("lens");
+    let lens = r#"{ "fx": 40, "cx": 32, "cy": 24, "radial_tangential": [-0.2, 0.03, 0.001, 0] }"#;
+    let file = folder.write("lens.json", lens).to_str().unwrap().to_owned();
+    let [from_file, from_text] = [file.as_str(), lens].map(|lens| {
+        let out = folder.file(if lens == file { "a" } else { "b" }).to_str().unwrap().to_owned();
+        printed(&["render", "builtin:hall", "--size", "64x48", "--lens", lens, "--ground-truth", "--out", &out]);
+        folder.file(if lens == file { "a" } else { "b" })
+    });
+    let bytes = |name: &str| [&from_file, &from_text].map(|folder| fs::read(folder.join(name)).unwrap());
+    for name in ["left.png", "right.png", "match0.flo", "match1.flo", "depth_z0.pfm", "occlusion1.png"] {
+        let [first, second] = bytes(name);
+        assert_eq!(first, second, "{name}");
+    }
+    assert_eq!(fs::read(from_file.join("match0.flo")).unwrap().len(), 12 + 8 * 64 * 48);
+    assert!(!from_file.join("disp0.pfm").exists() && !from_file.join("calib.txt").exists());
+    let camera: Value = serde_json::from_slice(&fs::read(from_file.join("camera.json")).unwrap()).unwrap();
+    assert_eq!(camera["right"]["lens"]["radial_tangential"][0], -0.2);
+    let out = folder.file("plain.png").to_str().unwrap().to_owned();
+    printed(&["render", "builtin:hall", "--size", "64x48", "--lens", lens, "--method", "bracket", "--out", &out]);
+    let strong = lens.replace("-0.2", "-0.9");
+    for (options, expected) in [
+        (["--lens", "none.json"], "No such file"),
+        (["--lens", "{"], "invalid JSON"),
+        (["--lens", r#"{ "fx": 40 }"#], "cx of a lens is missing"),
+        (["--lens", &strong], "which folds at pixel"),
+    ] {
+        let message = error_of(&[&["render", "builtin:hall", "--size", "64x48"][..], &options].concat());
+        assert!(message.contains(expected), "{message}");
+    }
+    let out = folder.file("set").to_str().unwrap().to_owned();
+    let data = error_of(&["dataset", "builtin:hall", "--size", "64x48", "--lens", lens, "--out", &out]);
+    assert!(data.contains("rectified pairs"), "{data}");
+    assert!(error_of(&["render", "--lens", lens, "--fov", "40"]).contains("--fov"));
+}
+
+#[test]
 fn files_of_physically_based_materials_are_shown_by_paths() {
     let folder = Folder::new("physical");
     folder.write("gold.mtl", "newmtl gold\nKd 0.9 0.7 0.3\nPr 0.3\nPm 1\n");

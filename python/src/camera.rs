@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
+use numpy::{PyArray2, PyArrayMethods};
 use pyo3::{prelude::*, types::PyDict};
-use stereotrace::{Equirectangular, PoleMerge, Pose, Projection, Span, StereoCamera, camera::Intrinsics};
+use stereotrace::{
+    Equirectangular, Lens, PoleMerge, Pose, Projection, Span, StereoCamera, camera::Intrinsics, output::Remap,
+};
 
 use crate::{
     errors::{raised, refused},
@@ -12,9 +15,12 @@ use crate::{
     values::{Position, Size, shown, tuple},
 };
 
+/// Columns and rows.
+type Maps<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<f32>>);
+
 /// Fields that the constructor and `replace` take.
 const FIELDS: &str = "eye, target, up, size, fov, screen_width, intrinsics, screen_distance, interaxial, \
-                      interaxial_px, toe_in, projection and pole_merge";
+                      interaxial_px, toe_in, projection, pole_merge and lens";
 
 /// A stereo camera: two eyes that look through one screen rectangle (off-axis projection), or two parallel cameras.
 ///
@@ -43,6 +49,11 @@ const FIELDS: &str = "eye, target, up, size, fov, screen_width, intrinsics, scre
 ///   Default ``"planar"``.
 /// - ``pole_merge``: tuple of two elevations in degrees between which the eyes of an equirectangular pair approach each
 ///   other, or ``None``. Default ``(60, 75)``.
+/// - ``lens``: a lens with distortion, or a dict of two lenses, ``left`` and ``right``; ``None`` for no lens. A lens is
+///   a dict: ``fx``, ``fy`` (default ``fx``), ``cx`` and ``cy`` in pixels, with pixel centres at halves; and
+///   ``radial_tangential``, 4, 5 or 8 coefficients in ``OpenCV``'s order, or ``fisheye``, 4 coefficients. The eyes are
+///   then parallel, and ``interaxial`` is in world units. Points leave their rows, and both views are traced by every
+///   method. ``Renderer.correspondence`` finds points in the other picture.
 ///
 /// Cameras are immutable: ``replace`` makes changed copies. They compare by value and can be pickled. Raises
 /// ``ValueError``, which names the field, for values out of range, unknown fields and contradictions. Examples of
@@ -227,13 +238,47 @@ impl Camera {
     /// and ``cy``.
     #[getter]
     fn intrinsics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let Intrinsics { fx, fy, cx0, cx1, cy, .. } =
-            self.pose()?.intrinsics().ok_or_else(|| refused("equirectangular pictures have no intrinsics"))?;
+        let Intrinsics { fx, fy, cx0, cx1, cy, .. } = self
+            .pose()?
+            .intrinsics()
+            .ok_or_else(|| refused("equirectangular pictures and lenses have no intrinsics"))?;
         let dict = PyDict::new(py);
         for (name, value) in [("fx", fx), ("fy", fy), ("cx0", cx0), ("cx1", cx1), ("cy", cy)] {
             dict.set_item(name, value)?;
         }
         Ok(dict)
+    }
+
+    /// Lenses of the eyes: a dict of the lenses ``left`` and ``right``, as the keyword ``lens`` takes it, or ``None``.
+    #[getter]
+    fn lens<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let Projection::Lenses([left, right]) = self.0.projection_kind() else { return Ok(None) };
+        let text = format!(r#"{{"left": {}, "right": {}}}"#, left.to_json(), right.to_json());
+        py.import("json")?.call_method1("loads", (text,)).map(Some)
+    }
+
+    /// Returns the rectified camera: the same eyes as parallel cameras without lenses. Its pictures and ground truth
+    /// are those of the rectified pair. A camera without lenses is returned as it is.
+    fn rectified(&self) -> PyResult<Self> {
+        Self::checked(self.0.rectified())
+    }
+
+    /// Returns where the picture of an ``eye``, ``"left"`` or ``"right"``, shows the pixels of the rectified picture: a
+    /// tuple of two arrays, x and y, float32, ``(height, width)``.
+    ///
+    /// These are the maps of ``cv2.initUndistortRectifyMap``: ``cv2.remap(picture, x, y, cv2.INTER_LINEAR)`` rectifies
+    /// a picture. **Pixel centres are at integers**, as in ``OpenCV`` and unlike elsewhere here. Both are NaN where the
+    /// lens does not show the direction. Raises ``ValueError`` for a camera without lenses, and for another eye.
+    #[pyo3(signature = (eye = "left"))]
+    fn rectify_map<'py>(&self, py: Python<'py>, eye: &str) -> PyResult<Maps<'py>> {
+        let side = match eye {
+            "left" => -1.0,
+            "right" => 1.0,
+            _ => return Err(refused(format!("eye: unknown '{eye}'; use left or right"))),
+        };
+        let Remap { width, height, x, y, .. } = Remap::new(&self.0, side).map_err(raised)?;
+        let shaped = |list| numpy::PyArray1::from_vec(py, list).reshape([height as usize, width as usize]);
+        Ok((shaped(x)?, shaped(y)?))
     }
 
     /// Angles in radians of a column and of a row of an equirectangular picture, or ``None`` for planar pictures. A
@@ -247,7 +292,8 @@ impl Camera {
     /// is positive before the screen, 0 on it, negative behind it, and ``-interaxial_px`` at infinity. For parallel
     /// cameras it is 0 at infinity and positive before it.
     ///
-    /// At depth 0 it is infinite. For toed-in eyes it holds for points on the axis between them.
+    /// At depth 0 it is infinite. For toed-in eyes it holds for points on the axis between them, and for lenses without
+    /// their distortion.
     fn disparity(&self, depth: f32) -> PyResult<f64> {
         Ok(self.pose()?.disparity_px(depth))
     }
@@ -300,6 +346,11 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
         ("fov", "intrinsics"),
         ("screen_width", "intrinsics"),
         ("interaxial", "interaxial_px"),
+        ("lens", "fov"),
+        ("lens", "screen_width"),
+        ("lens", "intrinsics"),
+        ("lens", "toe_in"),
+        ("lens", "projection"),
     ] {
         if has(one)? && has(other)? {
             return Err(refused(format!("camera: {one} and {other} set the same value; give one of them")));
@@ -338,6 +389,14 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
             "interaxial_px" => camera.interaxial_pixels(number()?),
             "toe_in" if value.extract().map_err(of)? => camera.projection(Projection::ToeIn),
             "toe_in" => camera.projection(Projection::OffAxis),
+            "lens" if value.is_none() && matches!(camera.projection_kind(), Projection::Lenses(_)) => {
+                camera.projection(Projection::OffAxis)
+            }
+            "lens" if value.is_none() => camera,
+            "lens" => {
+                let [left, right] = lenses(&value)?;
+                camera.lenses(left, right)
+            }
             "projection" | "pole_merge" => camera, // read together below
             _ => return Err(refused(format!("camera: unknown field '{name}'; the fields are {FIELDS}"))),
         };
@@ -382,6 +441,17 @@ fn projected(camera: StereoCamera, fields: &Bound<'_, PyDict>) -> PyResult<Stere
         (None, Some(_)) => camera.projection(Projection::OffAxis),
         (None, None) => camera,
     })
+}
+
+/// Reads the lenses of both eyes from a dict, by way of its JSON. Arrays of `NumPy` are lists there.
+fn lenses(value: &Bound<'_, PyAny>) -> PyResult<[Lens; 2]> {
+    let py = value.py();
+    let options = PyDict::new(py);
+    options.set_item("default", py.import("operator")?.call_method1("methodcaller", ("tolist",))?)?;
+    options.set_item("allow_nan", false)?;
+    let text = py.import("json")?.call_method("dumps", (value,), Some(&options));
+    let text = text.map_err(|error| refused(format!("camera: lens: {}", error.value(py))))?;
+    Lens::pair_from_json(&text.extract::<String>()?).map_err(|error| refused(format!("camera: lens: {error}")))
 }
 
 /// Reads intrinsics from a dict of `fx`, `fy` (default `fx`), `cx0`, `cx1` (default `cx0`) and `cy`, with pixel centres

@@ -11,6 +11,7 @@ use stereotrace::{
 
 use crate::{
     camera::Camera,
+    correspondence::Correspondence,
     errors::{raised, refused},
     flow::Motion,
     layers::Layers,
@@ -19,6 +20,9 @@ use crate::{
     renderer::Renderer,
     scene::Scene,
 };
+
+/// Layers and matches of a pair.
+type Further = (Option<stereotrace::Layers>, Option<stereotrace::Correspondence>);
 
 /// A checked spec of a data set, from JSON text. Paths of files are relative to ``folder``. ``ValueError`` names the
 /// key of an invalid value. ``stereotrace.dataset.Spec`` reads specs from files.
@@ -99,18 +103,19 @@ impl PairMaker {
         let (made, outputs) = renderer.work_alone(py, |renderer, progress| {
             Ok((self.0.pair(renderer, item, progress).wait()?, self.0.channels()))
         })?;
-        let MadePair { pair, truth, layers, camera, record, next, .. } = made;
+        let MadePair { pair, truth, layers, matches, camera, record, next, .. } = made;
         let record = serde_json::to_string(&record).map_err(|error| refused(error.to_string()))?;
-        let pair_of = |pair, truth, layers: Option<stereotrace::Layers>, camera| {
+        let pair_of = |pair, truth, (layers, matches): Further, camera| {
             let request = Request { options: Options::default(), outputs: outputs.clone() };
             let mut found = StereoPair::of(py, Frame { pair, truth, camera: Camera(camera), request })?;
             found.layers = layers.map(|layers| Py::new(py, Layers::of(layers))).transpose()?;
+            found.matches = matches.map(|matches| Py::new(py, Correspondence::of(matches))).transpose()?;
             Ok::<_, PyErr>(found)
         };
-        let mut found = pair_of(pair, truth, layers, camera)?;
+        let mut found = pair_of(pair, truth, (layers, matches), camera)?;
         if let Some(next) = next {
-            let NextPair { pair, truth, layers, camera, forward, backward, .. } = *next;
-            found.motion = Some(Motion::of(py, pair_of(pair, truth, layers, camera)?, forward, backward)?);
+            let NextPair { pair, truth, layers, matches, camera, forward, backward, .. } = *next;
+            found.motion = Some(Motion::of(py, pair_of(pair, truth, (layers, matches), camera)?, forward, backward)?);
         }
         Ok((found, record))
     }

@@ -3,6 +3,7 @@
 //! are the Python docstrings.
 
 mod camera;
+mod correspondence;
 mod dataset;
 mod errors;
 mod flow;
@@ -27,6 +28,7 @@ mod _stereotrace {
     #[pymodule_export]
     use super::{
         camera::Camera,
+        correspondence::{Correspondence, EyeMatches},
         dataset::{DataSetSpec, PairMaker},
         errors::{AdapterError, DeviceLostError, LimitError},
         flow::{EyeFlow, Flow},

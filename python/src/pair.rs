@@ -20,6 +20,7 @@ use stereotrace::{
 
 use crate::{
     camera::Camera,
+    correspondence::Correspondence,
     errors::{raised, refused},
     flow::{Motion, MotionTuple},
     layers::Layers,
@@ -94,7 +95,8 @@ impl Source {
 /// - ``disparity``: float32, ``(height, width)``. ``x_left - x_right`` in pixels: positive before the screen, 0 on it,
 ///   negative behind it. For parallel cameras it is 0 at infinity and positive before it. Sky has the disparity of
 ///   infinite depth. A point in column i of the left view is at ``i + 0.5 - disparity`` in the right view. A point in
-///   column i of the right view is at ``i + 0.5 + disparity`` in the left view. Pairs only, without toe-in.
+///   column i of the right view is at ``i + 0.5 + disparity`` in the left view. Pairs only, without
+///   toe-in and lenses.
 /// - ``occlusion``: uint8, ``(height, width)``. Visibility from the other eye: 0 visible, 1 hidden by an occluder, 2
 ///   outside the other picture. Pairs only.
 /// - ``normal``: float32, ``(height, width, 3)``. Shading normal, interpolated if a mesh has normals: unit length,
@@ -244,6 +246,7 @@ pub(crate) struct StereoPair {
     pub(crate) motion: Option<Motion>,
     /// All surfaces along the lines of sight of a data set's item.
     pub(crate) layers: Option<Py<Layers>>,
+    pub(crate) matches: Option<Py<Correspondence>>,
 }
 
 impl StereoPair {
@@ -256,6 +259,7 @@ impl StereoPair {
             frame,
             motion: None,
             layers: None,
+            matches: None,
         })
     }
 }
@@ -267,6 +271,13 @@ impl StereoPair {
     #[getter]
     fn motion(&self, py: Python<'_>) -> Option<MotionTuple> {
         self.motion.as_ref().map(|motion| motion.tuple(py))
+    }
+
+    /// ``Correspondence`` of an item of a data set whose spec names ``match``, or ``None``. ``Renderer.correspondence``
+    /// makes it for any pair.
+    #[getter]
+    fn matches(&self, py: Python<'_>) -> Option<Py<Correspondence>> {
+        self.matches.as_ref().map(|matches| matches.clone_ref(py))
     }
 
     /// ``Layers`` of an item of a data set whose spec names them, or ``None``. ``Renderer.layers`` makes them for any

@@ -19,6 +19,7 @@ use stereotrace::{
 
 use crate::{
     camera::Camera,
+    correspondence::Correspondence,
     errors::{raised, refused},
     flow::Flow,
     layers::Layers,
@@ -442,8 +443,8 @@ impl Renderer {
     /// ``Scene.transform_object`` and ``Scene.set_mesh`` move objects. ``camera`` is the camera at the other time; by
     /// default it stays. A point keeps its place on its primitive. All values are computed in double precision.
     ///
-    /// Raises ``ValueError`` if the scenes differ in more than positions, and for toed-in eyes. Also raises it for a
-    /// pair without ids, or by a method that copies pixels. Else raises as ``render`` does.
+    /// Raises ``ValueError`` if the scenes differ in more than positions, and for toed-in eyes and lenses. Also raises
+    /// it for a pair without ids, or by a method that copies pixels. Else raises as ``render`` does.
     #[pyo3(signature = (pair, scene, then, camera = None))]
     fn flow(
         &self,
@@ -464,6 +465,24 @@ impl Renderer {
             renderer.flow(&frame.pair, now, then).wait()
         })?;
         Ok(Flow::of(flow))
+    }
+
+    /// Computes where the other eye's picture shows the point of each pixel of a pair, and whether that eye sees the
+    /// point. Returns a ``Correspondence``.
+    ///
+    /// ``pair`` is a picture of ``scene``, with ``"depth"`` among its outputs. Places have two dimensions, since lenses
+    /// with distortion and toed-in eyes move points out of their rows. Other pairs have correspondences too. All places
+    /// are computed in double precision. Raises ``ValueError`` for a pair without depths. Else raises as ``render``
+    /// does.
+    #[pyo3(signature = (pair, scene))]
+    fn correspondence(&self, py: Python<'_>, pair: &StereoPair, scene: &Scene) -> PyResult<Correspondence> {
+        let frame = pair.frame.clone();
+        if frame.pair.left.depth.is_empty() {
+            return Err(refused("correspondence needs depths: name 'depth' in outputs when the pair is rendered"));
+        }
+        let found =
+            self.work(py, scene, None, |renderer, uploaded, _| renderer.correspondence(uploaded, &frame.pair).wait())?;
+        Ok(Correspondence::of(found))
     }
 
     /// Returns two of the ``Views`` of ``render_views`` as a ``StereoPair`` with ground truth. ``left`` and ``right``
@@ -515,8 +534,8 @@ impl Renderer {
     /// ``refracted`` glass bends them as it bends light, else they stay straight. With ``mirrored`` mirrors reflect
     /// them, else they end there.
     ///
-    /// Raises ``ValueError`` for a number of surfaces out of range, and for toed-in eyes. Also raises it for a pair
-    /// without ids, of another scene, or by a method that copies pixels. Else raises as ``render`` does.
+    /// Raises ``ValueError`` for a number of surfaces out of range, and for toed-in eyes and lenses. Also raises it
+    /// for a pair without ids, of another scene, or by a method that copies pixels. Else raises as ``render`` does.
     #[pyo3(signature = (pair, scene, surfaces = 4, *, refracted = false, mirrored = false))]
     fn layers(
         &self,

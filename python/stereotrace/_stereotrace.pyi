@@ -20,10 +20,12 @@ __all__ = [
     "PACKINGS",
     "AdapterError",
     "Camera",
+    "Correspondence",
     "DataSetSpec",
     "DeviceLostError",
     "EyeFlow",
     "EyeLayers",
+    "EyeMatches",
     "Flow",
     "Layers",
     "Light",
@@ -143,6 +145,28 @@ class IntrinsicsFields(TypedDict):
     cy: Required[float]
 
 @type_check_only
+class LensFields(TypedDict, total=False):
+    """A lens of ``Camera``."""
+
+    # Focal lengths in pixels; ``fy`` defaults to ``fx``.
+    fx: Required[float]
+    fy: float
+    # Principal point in pixels, with pixel centres at halves.
+    cx: Required[float]
+    cy: Required[float]
+    # OpenCV's coefficients k1, k2, p1, p2, then optionally k3, then optionally k4, k5, k6.
+    radial_tangential: Sequence[float] | npt.NDArray[Any]
+    # OpenCV's coefficients k1 to k4, in place of ``radial_tangential``.
+    fisheye: Sequence[float] | npt.NDArray[Any]
+
+@type_check_only
+class LensPair(TypedDict):
+    """The lenses of both eyes of ``Camera``."""
+
+    left: LensFields
+    right: LensFields
+
+@type_check_only
 class CameraFields(TypedDict, total=False):
     """The keywords of ``Camera``."""
 
@@ -169,6 +193,8 @@ class CameraFields(TypedDict, total=False):
     projection: Literal["planar", 180, 360]
     # Elevations in degrees between which the eyes of an equirectangular pair approach each other. Default (60, 75).
     pole_merge: tuple[float, float] | None
+    # A lens with distortion, or the lenses of both eyes. Default None.
+    lens: LensFields | LensPair | None
 
 @type_check_only
 class CameraReplaceFields(CameraFields, total=False):
@@ -477,6 +503,12 @@ class Camera:
     def intrinsics(self) -> Intrinsics: ...
     @property
     def radians_per_pixel(self) -> tuple[float, float] | None: ...
+    @property
+    def lens(self) -> LensPair | None: ...
+    def rectified(self) -> Camera: ...
+    def rectify_map(
+        self, eye: Literal["left", "right"] = "left"
+    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]: ...
     def raised(self, distance: float) -> Camera: ...
     def disparity(self, depth: float) -> float: ...
     def project(self, point: Point, eye: Literal["left", "middle", "right"] = "left") -> _Vector: ...
@@ -601,6 +633,8 @@ class StereoPair:
     @property
     def layers(self) -> Layers | None: ...
     @property
+    def matches(self) -> Correspondence | None: ...
+    @property
     def camera(self) -> Camera: ...
     @property
     def statistics(self) -> Statistics: ...
@@ -610,6 +644,24 @@ class StereoPair:
     def write(self, folder: _Path, layout: str = "middlebury", index: int = 0) -> list[Path]: ...
     def save(self, path: _Path) -> None: ...
     def _repr_png_(self) -> bytes: ...
+
+@final
+class Correspondence:
+    """Places of a pair's points in the other eye's picture."""
+
+    @property
+    def left(self) -> EyeMatches: ...
+    @property
+    def right(self) -> EyeMatches: ...
+
+@final
+class EyeMatches:
+    """Places of one view's points in the other eye's picture, as arrays."""
+
+    @property
+    def place(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def visibility(self) -> npt.NDArray[np.uint8]: ...
 
 @final
 class EyeFlow:
@@ -748,6 +800,7 @@ class Renderer:
         min_surfaces: float | None = None,
     ) -> tuple[Camera, int]: ...
     def flow(self, pair: StereoPair, scene: Scene, then: Scene, camera: Camera | None = None) -> Flow: ...
+    def correspondence(self, pair: StereoPair, scene: Scene) -> Correspondence: ...
     def pair_of(
         self, views: Views, scene: Scene, left: int, right: int, *, below: Views | None = None
     ) -> StereoPair: ...

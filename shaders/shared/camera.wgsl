@@ -1,7 +1,7 @@
 // The camera model: rays of pixels, landing positions of source samples in the target, and the width of a pixel.
 // projection.wgsl has the frusta of tiles. No other kernel code reads the eyes' parameters.
 
-//! use angles, frame, jitter, lane, rays
+//! use angles, frame, jitter, lane, lens, rays
 
 //! if camera is planar and canvas is picture
 // Returns the point where the target's rays start.
@@ -38,6 +38,26 @@ fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
         corner.y + frame.eyes.step_x.y * x + frame.eyes.step_y.y * y,
         corner.z + frame.eyes.step_x.z * x + frame.eyes.step_y.z * y,
     );
+}
+
+//! if camera is lens and canvas is picture
+// Returns the side of a square with a pixel's area at a ray's hit, at a distance along the view axis. The direction's
+// length gives its angle from the axis, also after reflections. The tangential part is left out.
+fn footprint(distance: f32, direction: vec3f) -> f32 {
+    let growth = growth_at(sqrt(max(dot(direction, direction) - 1.0, 0.0)));
+    return distance * inverseSqrt(frame.eyes.focal_x * frame.eyes.focal_y * max(growth, LEAST_GROWTH));
+}
+
+// Returns the rays through pixels.
+fn rays_of(pixels: Pixels) -> Rays {
+    let row = pixels.y + frame.band.first_row;
+    let place = undistorted(sample_column(pixels.x, row), F(row) + 0.5);
+    let corner = frame.eyes.target_corner;
+    return Rays(frame.eyes.target_eye, F3(
+        corner.x + frame.eyes.step_x.x * place.x + frame.eyes.step_y.x * place.y,
+        corner.y + frame.eyes.step_x.y * place.x + frame.eyes.step_y.y * place.y,
+        corner.z + frame.eyes.step_x.z * place.x + frame.eyes.step_y.z * place.y,
+    ));
 }
 
 //! if camera is around and canvas is picture

@@ -34,6 +34,25 @@ struct Eyes {
     _pad: array<vec4f, 3>,
 }
 
+//! if canvas is picture and camera is lens
+// An eye with a lens. Directions have length 1 along the view axis, so a ray's t is the depth Z of its hit (DESIGN,
+// section 2). Without distortion, the lens shows what an eye with these directions shows.
+struct Eyes {
+    target_eye: vec3f,      // scene coordinates
+    focal_x: f32,           // focal length along x, pixels
+    target_corner: vec3f,   // direction to the picture's top left corner, without distortion
+    focal_y: f32,           // focal length along y, pixels
+    step_x: vec3f,          // direction from a pixel to its right neighbour, without distortion
+    principal_x: f32,       // column of the principal point
+    step_y: vec3f,          // direction from a pixel to the one below, without distortion
+    principal_y: f32,       // row of the principal point
+    radial: vec4f,          // coefficients of the radial part's powers, without the constant: lens.wgsl
+    divisor: vec4f,         // the same of its divisor
+    tangential: vec2f,      // p1 and p2
+    spare: vec2f,
+    _pad: array<vec4f, 2>,
+}
+
 //! if canvas is picture and camera is planar
 // The source eye and the target eye. The target view is computed from the existing source view. If a view is traced
 // instead, both eyes are that view's eye. Directions have length 1 along the view axis, so a ray's t is the depth Z of

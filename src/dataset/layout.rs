@@ -122,10 +122,10 @@ impl Layout {
     /// Adds all files of a pair to a batch, and creates their folders.
     ///
     /// # Errors
-    /// [`Error::Options`] for cameras that are not parallel in a layout that requires it; for toed-in eyes; for
-    /// pictures with another projection than the layout's ([`Layout::is_equirectangular`]); and in Middlebury's layout
-    /// for a negative disparity. [`Error::Io`] as [`Batch::add`], as [`Batch::add_kitti_disparity`] for a disparity
-    /// that does not fit, and in Scene Flow's layout for an id over `2^24 - 1`.
+    /// [`Error::Options`] for cameras that are not parallel in a layout that requires it; for toed-in eyes and
+    /// lenses; for pictures with another projection than the layout's ([`Layout::is_equirectangular`]); and in
+    /// Middlebury's layout for a negative disparity. [`Error::Io`] as [`Batch::add`], as [`Batch::add_kitti_disparity`]
+    /// for a disparity that does not fit, and in Scene Flow's layout for an id over `2^24 - 1`.
     pub fn add(
         self,
         batch: &mut Batch,
@@ -142,6 +142,9 @@ impl Layout {
             Projection::OffAxis => {}
             Projection::ToeIn => {
                 return fault("its pairs must be rectified, but the eyes of this pair are toed in".into());
+            }
+            Projection::Lenses(_) => {
+                return fault("its pairs must be rectified, but lenses distort these: use the rectified camera".into());
             }
             Projection::Equirectangular(_) if self.is_equirectangular() => {}
             Projection::Equirectangular(_) => {

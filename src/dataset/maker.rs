@@ -14,8 +14,8 @@ use super::{
     stage::{Stage, generator_sha256},
 };
 use crate::{
-    Channel, Error, Flow, GroundTruth, Layers, Maker, Moment, MotionBlur, Occlusion, OnProgress, Options, Renderer,
-    Scene, StereoCamera, StereoPair, UploadedScene,
+    Channel, Correspondence, Error, Flow, GroundTruth, Layers, Maker, Moment, MotionBlur, Occlusion, OnProgress,
+    Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene,
 };
 
 /// Default memory in bytes for the scenes that are kept.
@@ -72,6 +72,8 @@ pub struct MadePair {
     pub record: Record,
     /// All surfaces along its lines of sight, if outputs of the spec need them.
     pub layers: Option<Layers>,
+    /// Places of its points in the other eye's picture, if outputs of the spec need them.
+    pub matches: Option<Correspondence>,
     /// The next pair, if the spec has motion.
     pub next: Option<Box<NextPair>>,
 }
@@ -86,6 +88,8 @@ pub struct NextPair {
     pub truth: Option<GroundTruth>,
     /// All surfaces along its lines of sight, if outputs of the spec need them.
     pub layers: Option<Layers>,
+    /// Places of its points in the other eye's picture, if outputs of the spec need them.
+    pub matches: Option<Correspondence>,
     /// Its camera.
     pub camera: StereoCamera,
     /// Motion of the first pair's points to this pair.
@@ -339,11 +343,8 @@ impl PairMaker {
             sensor.expose(&mut pair, &options, draws, "first");
         }
         let needs_truth = channels.iter().any(|channel| channel.maker() == Maker::GroundTruth);
-        let truth = match needs_truth {
-            true => Some(renderer.ground_truth(stage.uploaded()?, &stage.scene, &pair).await?),
-            false => None,
-        };
-        let layers = layers_of(renderer, spec, false, (&stage.scene, stage.uploaded()?), &pair).await?;
+        let of = (&stage.scene, stage.uploaded()?);
+        let Truths { truth, layers, matches } = truths_of(renderer, (spec, false, needs_truth), of, &pair).await?;
         let next = match &spec.motion {
             None => None,
             Some(motion) => {
@@ -354,20 +355,18 @@ impl PairMaker {
                 if let Some(sensor) = &spec.sensor {
                     sensor.expose(&mut next, &options, draws, "next");
                 }
-                let truth = match needs_truth {
-                    true => Some(renderer.ground_truth(uploaded, scene, &next).await?),
-                    false => None,
-                };
-                let layers = layers_of(renderer, spec, true, (scene, uploaded), &next).await?;
+                let of = (scene, uploaded);
+                let Truths { truth, layers, matches } =
+                    truths_of(renderer, (spec, true, needs_truth), of, &next).await?;
                 let now = Moment { scene: &stage.scene, uploaded: stage.uploaded()?, camera: &camera };
                 let then = Moment { scene, uploaded, camera: &next_camera };
                 let forward = renderer.flow(&pair, &stage.scene, then).await?;
                 let backward = renderer.flow(&next, scene, now).await?;
-                Some(Box::new(NextPair { pair: next, truth, layers, camera: next_camera, forward, backward }))
+                Some(Box::new(NextPair { pair: next, truth, layers, matches, camera: next_camera, forward, backward }))
             }
         };
         let record = record(item, spec.scene_name(index), &pair, truth.as_ref());
-        Ok(MadePair { pair, truth, layers, camera, record, next })
+        Ok(MadePair { pair, truth, layers, matches, camera, record, next })
     }
 
     fn check_item(&self, item: u32) -> Result<(), Error> {
@@ -393,18 +392,32 @@ fn options_of(spec: &Spec, draws: &Draws, channels: &[Channel]) -> Result<Option
     Ok(options)
 }
 
-/// Returns the layers of an item's first or next pair, if outputs of the spec need them.
-async fn layers_of(
+/// Ground truth of an item's first or next pair, as far as outputs of the spec need it.
+struct Truths {
+    truth: Option<GroundTruth>,
+    layers: Option<Layers>,
+    matches: Option<Correspondence>,
+}
+
+async fn truths_of(
     renderer: &Renderer,
-    spec: &Spec,
-    next: bool,
+    (spec, next, needs_truth): (&Spec, bool, bool),
     (scene, uploaded): (&Scene, &UploadedScene),
     pair: &StereoPair,
-) -> Result<Option<Layers>, Error> {
-    match spec.layers.filter(|_| spec.needs_layers(next)) {
-        Some(layers) => renderer.layers(uploaded, scene, pair, &layers.layering()).await.map(Some),
-        None => Ok(None),
-    }
+) -> Result<Truths, Error> {
+    let truth = match needs_truth {
+        true => Some(renderer.ground_truth(uploaded, scene, pair).await?),
+        false => None,
+    };
+    let layers = match spec.layers.filter(|_| spec.needs_layers(next)) {
+        Some(layers) => Some(renderer.layers(uploaded, scene, pair, &layers.layering()).await?),
+        None => None,
+    };
+    let matches = match spec.needs_matches(next) {
+        true => Some(renderer.correspondence(uploaded, pair).await?),
+        false => None,
+    };
+    Ok(Truths { truth, layers, matches })
 }
 
 impl Scenes {

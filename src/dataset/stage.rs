@@ -303,6 +303,13 @@ impl Stage {
             camera.pose()?;
             return Ok(camera);
         }
+        if let Some(lens) = &rig.lens {
+            let interaxial =
+                separation.map_or_else(|| Ok(own.pose()?.interaxial), |separation| Ok(separation as f32))?;
+            let camera = own.interaxial(interaxial).lens(lens.drawn(draws, spec.size.draw(draws))?);
+            camera.pose()?;
+            return Ok(camera);
+        }
         let mut camera = own;
         let distance = rig.screen_distance.as_ref().map(|value| draws.draw(value, "rig.screen_distance").0 as f32);
         let distance = distance.or_else(|| spec.format.layout().map(|_| f32::INFINITY));

@@ -1,6 +1,7 @@
 //! Uniform of a source eye and a target eye.
 
 mod circle;
+mod lens;
 
 use crate::{
     Pose,
@@ -76,6 +77,7 @@ impl Eyes {
                 layout::Eyes { wider: eyes.wider + aside, ..eyes }
             }
             Field::Sphere(sphere) => circle::uniform(self, &Circle::of(&self.pose, &sphere), view, aside),
+            Field::Lenses([lens, _]) => lens::uniform(&self.pose, &lens),
         }
     }
 

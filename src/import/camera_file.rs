@@ -8,7 +8,7 @@ use glam::{DMat4, DVec3, Vec3};
 use serde_json::{Map, Value};
 
 use crate::{
-    CameraPath, Error, Light, Limits, Projection, Scene, StereoCamera, import::input, view::camera::Intrinsics,
+    CameraPath, Error, Lens, Light, Limits, Projection, Scene, StereoCamera, import::input, view::camera::Intrinsics,
 };
 
 impl StereoCamera {
@@ -32,9 +32,10 @@ impl StereoCamera {
     ///
     /// `projection` may be `"off-axis"`, `"toe-in"`, or an object for an [`Equirectangular`](crate::Equirectangular)
     /// pair, which has no field of view and no screen: `span_deg` is 360 or 180, and `pole_merge_deg` is a list of two
-    /// elevations or null. Skew and lens distortion (`skew`, `k1`, `p1` and so on) other
-    /// than 0 are refused. So are values of the right eye that differ from the left eye's (`fx1`, `fy1`, `cy1`). Other
-    /// fields are ignored.
+    /// elevations or null. `lens` replaces `vfov_deg`, `screen_distance` and `projection`: a lens with distortion, or
+    /// an object of two lenses, `left` and `right` ([`Lens::pair_from_json`]). Skew and distortion outside of a lens
+    /// (`skew`, `k1`, `p1` and so on) other than 0 are refused. So are values of the right eye that differ from the
+    /// left eye's (`fx1`, `fy1`, `cy1`). Other fields are ignored.
     ///
     /// ```no_run
     /// let camera = stereotrace::StereoCamera::from_json("cameras.json", "sponza", 1280, 720)?;
@@ -197,7 +198,7 @@ fn camera_of(entry: &Map<String, Value>, [width, height]: [u32; 2]) -> Result<St
         };
         if !is_zero {
             return Err(format!(
-                "{name} is {}; skew and lens distortion can't be rendered: rectify the pair",
+                "{name} is {}; these fields are not read: give a lens, or rectify the pair",
                 entry[name]
             ));
         }
@@ -214,6 +215,12 @@ fn camera_of(entry: &Map<String, Value>, [width, height]: [u32; 2]) -> Result<St
     let camera = camera.size(width, height).interaxial(interaxial);
     if has("convergence") {
         return Err("convergence is not read; the field is projection".into());
+    }
+    if let Some(lens) = entry.get("lens") {
+        alone(entry, "lens", &["vfov_deg", "fx", "screen_distance", "projection"])?;
+        let scales = scales(entry, [width, height])?;
+        let [left, right] = Lens::pair_from_value(lens)?.map(|lens| lens.scaled(scales, 0.0));
+        return Ok(camera.lenses(left, right));
     }
     let camera = match entry.get("projection") {
         None => camera,
@@ -269,14 +276,19 @@ fn intrinsics(entry: &Map<String, Value>, size: [u32; 2]) -> Result<Intrinsics, 
     } else {
         Intrinsics::new([fx, fy], [double(entry, "cx")?, cy])
     };
-    if !has("width") && !has("height") {
-        return Ok(found);
+    Ok(found.scaled(scales(entry, size)?))
+}
+
+/// Returns the factors from the entry's picture size to `size`.
+fn scales(entry: &Map<String, Value>, size: [u32; 2]) -> Result<[f64; 2], String> {
+    if !entry.contains_key("width") && !entry.contains_key("height") {
+        return Ok([1.0; 2]);
     }
     let of = [double(entry, "width")?, double(entry, "height")?];
     if let Some(side) = of.into_iter().find(|side| *side < 1.0 || side.fract() != 0.0) {
         return Err(format!("width or height is {side}; they must be whole numbers above 0"));
     }
-    Ok(found.scaled([0, 1].map(|axis| f64::from(size[axis]) / of[axis])))
+    Ok([0, 1].map(|axis| f64::from(size[axis]) / of[axis]))
 }
 
 /// Makes a camera from the left eye's matrix. The target is one unit ahead.
@@ -441,9 +453,9 @@ mod tests {
         let left_handed = r#""pose": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]"#;
         let placed = r#""eye": [1, 2, 3], "target": [1, 2, -4], "up": [0, 1, 0]"#;
         for (index, (from, to, expected)) in [
-            (r#""k1": 0"#, r#""k1": 0.1"#, "k1 is 0.1; skew and lens distortion"),
-            (r#""p1": 0.0"#, r#""distortion": [0, 0, 1]"#, "distortion is [0,0,1]; skew and lens"),
-            (r#""skew": 0"#, r#""skew": "a""#, "skew is \"a\"; skew and lens"),
+            (r#""k1": 0"#, r#""k1": 0.1"#, "k1 is 0.1; these fields are not read: give a lens"),
+            (r#""p1": 0.0"#, r#""distortion": [0, 0, 1]"#, "distortion is [0,0,1]; these fields are not read"),
+            (r#""skew": 0"#, r#""skew": "a""#, "skew is \"a\"; these fields are not read"),
             (r#""skew": 0"#, r#""fx1": 501"#, "fx1 is 501, but 500 for the other eye; both eyes must have the same"),
             (r#""skew": 0"#, r#""cy1": 0"#, "cy1 is 0, but 239 for the other eye"),
             (r#""skew": 0"#, r#""cx1": 400"#, "cx and cx1 are both given; give one of them"),

@@ -50,6 +50,25 @@ pub(crate) struct CircleEyes {
     pub(crate) _pad: [u32; 12],
 }
 
+/// `Eyes` of shaders/shared/frame.wgsl for an eye with a lens.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct LensEyes {
+    pub(crate) target_eye: [f32; 3],
+    pub(crate) focal_x: f32,
+    pub(crate) target_corner: [f32; 3],
+    pub(crate) focal_y: f32,
+    pub(crate) step_x: [f32; 3],
+    pub(crate) principal_x: f32,
+    pub(crate) step_y: [f32; 3],
+    pub(crate) principal_y: f32,
+    pub(crate) radial: [f32; 4],
+    pub(crate) divisor: [f32; 4],
+    pub(crate) tangential: [f32; 2],
+    pub(crate) spare: [f32; 2],
+    pub(crate) _pad: [f32; 8],
+}
+
 /// `Band` of shaders/shared/frame.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

@@ -13,6 +13,7 @@ use crate::gpu::limits_over;
 use crate::{
     kernel::wgsl::{self, Condition, SHARED},
     steps::{resolve::TRACE_LISTED, trace::TRACE_LEFT},
+    view::rig::CameraModel,
 };
 
 use variants::{ALL, variants_of};
@@ -247,6 +248,18 @@ fn buffers_that_take_the_place_of_rays_are_in_no_text_without_them() {
         with_tables += usize::from(reads);
     }
     assert!(with_tables > 20);
+}
+
+#[test]
+fn lenses_are_in_no_text_of_other_cameras() {
+    let mut with_lenses = 0;
+    for (kernel, with, text) in modules() {
+        let is_seen_through = text.contains("undistorted(");
+        let has_lens = matches!(with.of_role(kernel.role).camera, CameraModel::Lens(_));
+        assert!(has_lens || !is_seen_through, "{}", kernel.name);
+        with_lenses += usize::from(is_seen_through);
+    }
+    assert!(with_lenses > 5);
 }
 
 #[test]

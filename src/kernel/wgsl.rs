@@ -88,6 +88,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "jitter",
     "kept_samples",
     "lane",
+    "lens",
     "light",
     "light_parts",
     "lights",

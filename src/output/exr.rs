@@ -119,6 +119,9 @@ fn file_channels(path: &Path, view: &View, channels: Channels<'_>, color: ExrCol
         if channel.exr_names().is_empty() || !(is_of_view || channels.has_truth()) {
             continue;
         }
+        if channel == Channel::Disparity && channels.leaves_rows() {
+            continue;
+        }
         if channel == Channel::Albedo && view.albedo.is_empty() {
             continue;
         }

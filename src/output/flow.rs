@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{Batch, Picture, file::check_count};
-use crate::{Error, EyeFlow, FlowClass};
+use crate::{Error, EyeFlow, EyeMatches, FlowClass};
 
 /// First four bytes of a .flo file: the number 202021.25 as f32.
 const FLO: f32 = 202_021.25;
@@ -17,12 +17,31 @@ impl Batch {
     /// # Errors
     /// [`Error::Io`] as [`Batch::add`].
     pub fn add_flo(&mut self, path: impl AsRef<Path>, flow: &EyeFlow) -> Result<(), Error> {
-        let path = path.as_ref();
-        check_count(path, flow.width, flow.height, flow.flow.len())?;
-        let mut bytes = Vec::with_capacity(12 + 8 * flow.flow.len());
+        self.add_steps(path.as_ref(), [flow.width, flow.height], &flow.flow)
+    }
+
+    /// Adds the matches of a view as a .flo file: the place in the other eye's picture minus the pixel's centre, to the
+    /// right and down, as if the other eye's picture were the next one. Places that are NaN are 1e10, which means
+    /// unknown.
+    ///
+    /// # Errors
+    /// [`Error::Io`] as [`Batch::add`].
+    pub fn add_matches_flo(&mut self, path: impl AsRef<Path>, matches: &EyeMatches) -> Result<(), Error> {
+        let width = (matches.width as usize).max(1);
+        let step = |(index, &[x, y]): (usize, &[f32; 2])| {
+            let center = [index % width, index / width].map(|at| at as f64 + 0.5);
+            [f64::from(x) - center[0], f64::from(y) - center[1]].map(|step| step as f32)
+        };
+        let steps: Vec<[f32; 2]> = matches.place.iter().enumerate().map(step).collect();
+        self.add_steps(path.as_ref(), [matches.width, matches.height], &steps)
+    }
+
+    fn add_steps(&mut self, path: &Path, [width, height]: [u32; 2], steps: &[[f32; 2]]) -> Result<(), Error> {
+        check_count(path, width, height, steps.len())?;
+        let mut bytes = Vec::with_capacity(12 + 8 * steps.len());
         bytes.extend(FLO.to_le_bytes());
-        bytes.extend([flow.width, flow.height].map(u32::to_le_bytes).as_flattened());
-        for step in flow.flow.as_flattened() {
+        bytes.extend([width, height].map(u32::to_le_bytes).as_flattened());
+        for step in steps.as_flattened() {
             bytes.extend(if step.is_nan() { UNKNOWN } else { *step }.to_le_bytes());
         }
         self.add(path, &bytes)

@@ -24,6 +24,7 @@ mod png_rows;
 #[cfg(feature = "json")]
 mod pose_json;
 mod quilt;
+mod remap;
 mod stale;
 #[cfg(feature = "png")]
 mod truth_png;
@@ -39,6 +40,7 @@ pub use pair_rows::{Combination, PairRows};
 #[cfg(feature = "png")]
 pub use png_rows::PngRows;
 pub use quilt::{quilt, quilt_name};
+pub use remap::Remap;
 
 use crate::{StereoPair, View};
 

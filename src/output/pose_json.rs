@@ -7,16 +7,16 @@ use serde_json::{Map, Value, json};
 
 use super::calibration::world_to_camera;
 use crate::{
-    Error, Limits, Pose, Projection,
+    Error, Lens, Limits, Pose, Projection,
     import::input,
     view::camera::{Field, Frustum, Intrinsics, Sphere},
 };
 
 impl Pose {
     /// Returns the camera as JSON text. `left` and `right` have the intrinsics `fx`, `fy`, `cx` and `cy` in pixels (not
-    /// for equirectangular pictures), and the matrices `world_to_camera` and `camera_to_world`, row by row. `pose` has
-    /// the fields of this struct, which [`Pose::from_json`] reads back to the bit. `conventions` describes frames and
-    /// units.
+    /// for equirectangular pictures; eyes with lenses have an entry `lens`), and the matrices `world_to_camera` and
+    /// `camera_to_world`, row by row. `pose` has the fields of this struct, which [`Pose::from_json`] reads back to the
+    /// bit. `conventions` describes frames and units.
     pub fn to_json(&self) -> String {
         let vector = |v: Vec3| json!(v.to_array().map(f64::from));
         let field = match self.field {
@@ -24,6 +24,7 @@ impl Pose {
                 ("frustum", json!({ "distance": distance, "size": size, "center": center, "shift": shift }))
             }
             Field::Sphere(Sphere { angles, .. }) => ("angles", json!(angles)),
+            Field::Lenses(lenses) => ("lenses", json!(lenses.map(Lens::to_value))),
         };
         let mut text = json!({
             "format": "stereotrace pose 1",
@@ -56,6 +57,9 @@ impl Pose {
             },
         });
         match self.intrinsics() {
+            None if matches!(self.field, Field::Lenses(_)) => {
+                text["conventions"]["disparity"] = json!("none: lens distortion moves points out of their rows");
+            }
             Some(intrinsics) => {
                 text["doffs"] = json!(intrinsics.doffs());
                 for (name, cx) in [("left", intrinsics.cx0), ("right", intrinsics.cx1)] {
@@ -106,7 +110,11 @@ fn eye(pose: &Pose, side: f64) -> Value {
     // The axes are orthonormal only up to rounding, so the inverse is computed from the written matrix. glam's columns
     // hold our rows, for input and output.
     let to_world = DMat4::from_cols_array_2d(&to_camera).inverse();
-    json!({ "world_to_camera": to_camera, "camera_to_world": to_world.to_cols_array_2d() })
+    let mut eye = json!({ "world_to_camera": to_camera, "camera_to_world": to_world.to_cols_array_2d() });
+    if let Some(lens) = pose.lens(side as f32) {
+        eye["lens"] = lens.to_value();
+    }
+    eye
 }
 
 fn read(pose: &Map<String, Value>) -> Result<Pose, String> {
@@ -125,6 +133,12 @@ fn read(pose: &Map<String, Value>) -> Result<Pose, String> {
         subject_distance: positive(pose, "subject_distance", finite)?,
         field: match projection {
             Projection::OffAxis | Projection::ToeIn => Field::Screen(frustum(pose)?),
+            Projection::Lenses(lenses) => {
+                let size = size(pose)?;
+                let checked = lenses.iter().try_for_each(|lens| lens.check(size));
+                checked.map_err(|error| format!("pose: {error}"))?;
+                Field::Lenses(lenses)
+            }
             Projection::Equirectangular(projection) => {
                 Field::Sphere(Sphere { projection, angles: list(pose, "angles", Value::as_f64, "numbers")? })
             }

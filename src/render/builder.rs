@@ -52,8 +52,9 @@ impl<C: std::fmt::Debug> std::fmt::Debug for FrameBuilder<'_, C> {
 
 impl Renderer {
     /// Starts a stereo pair. [`FrameBuilder::read`] and [`FrameBuilder::trace`] trace toed-in eyes
-    /// ([`Projection::ToeIn`](crate::Projection::ToeIn)) one after the other by [`Method::Naive`], for any method. A
-    /// warning says so once per renderer. The other methods refuse toed-in eyes.
+    /// ([`Projection::ToeIn`](crate::Projection::ToeIn)) and eyes with lenses
+    /// ([`Projection::Lenses`](crate::Projection::Lenses)) one after the other by [`Method::Naive`], for any method. A
+    /// warning says so once per renderer. The other methods refuse such eyes.
     pub fn pair<'a>(
         &'a mut self,
         scene: &'a UploadedScene,
@@ -204,8 +205,8 @@ impl FrameBuilder<'_, StereoCamera> {
     /// ```
     ///
     /// # Errors
-    /// As [`FrameBuilder::<Rig>::read`], [`Error::Rig`] for toed-in eyes, [`Error::Options`] for options that need
-    /// whole pictures, and any error of `on_rows`, which ends the frame.
+    /// As [`FrameBuilder::<Rig>::read`], [`Error::Rig`] for toed-in eyes and lenses, [`Error::Options`] for
+    /// options that need whole pictures, and any error of `on_rows`, which ends the frame.
     pub async fn rows(self, on_rows: &mut OnRows<'_>) -> Result<StereoPair, Error> {
         self.in_rows(on_rows).await.map(|(done, nothing)| StereoPair::of(done, nothing))
     }
@@ -222,7 +223,7 @@ impl FrameBuilder<'_, StereoCamera> {
         let Self { renderer, scene, cameras: camera, options, mut progress } = self;
         let (rig, pose) = (Rig::from(*camera), camera.pose_in(scene.origin)?);
         let of_pass = options_of(&passes, scene, &rig, &options)?;
-        let frame = match renderer.toed_in(&pose, &options) {
+        let frame = match renderer.apart(&pose, &options) {
             None => renderer.whole_frame(scene, &Eyes::pair(&pose), &of_pass, &mut *progress).await?,
             Some([first, second]) => {
                 let options = Options { method: Method::Naive, ..of_pass };
@@ -244,7 +245,7 @@ impl FrameBuilder<'_, StereoCamera> {
         let Self { renderer, scene, cameras: camera, options, mut progress } = self;
         options.check_parts(true)?;
         let pose = camera.pose_in(scene.origin)?;
-        let Some([first, second]) = renderer.toed_in(&pose, &options) else {
+        let Some([first, second]) = renderer.apart(&pose, &options) else {
             let done =
                 renderer.sampled(scene, &Eyes::pair(&pose), &options, false, &mut *progress, &mut |_| Ok(())).await?;
             return Ok(done.pair_statistics());

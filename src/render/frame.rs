@@ -284,7 +284,7 @@ impl Renderer {
         let light = self.keeps_light(options, size);
         let fits = History::bytes(&self.gpu, size, light).is_some_and(|bytes| bytes <= history_bytes(options));
         match &self.cache.history {
-            _ if !is_whole || traced > 1 || !fits || eyes.model() == CameraModel::Around => (Recall::Nothing, None),
+            _ if !is_whole || traced > 1 || !fits || eyes.model() != CameraModel::Planar => (Recall::Nothing, None),
             Some(history) if history.is_of(scene.id(), size, light) => history.recall(lit),
             _ => (Recall::Keep, None),
         }
@@ -405,7 +405,7 @@ impl Renderer {
         let occlusion_rays = options.surroundings().map_or(0, |occlusion| occlusion.rays);
         let soft = shadow_rays + occlusion_rays > 0;
         let rays = match eyes.model() {
-            CameraModel::Planar => counting.traversal.rays,
+            CameraModel::Planar | CameraModel::Lens(_) => counting.traversal.rays,
             // Rays of different pixels have different origins.
             CameraModel::Around => RaysPerLane::One,
         };

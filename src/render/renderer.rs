@@ -3,7 +3,7 @@
 use std::sync::Once;
 
 use crate::{
-    Gpu, Method, Options, Pose, Projection,
+    Gpu, Method, Options, Pose,
     frame::{self, lanes::Steps},
     gpu::Timestamps,
     kernel::Kernels,
@@ -42,8 +42,8 @@ pub struct Renderer {
     pub(crate) steps: Steps,
     /// Completed once the warning about a scene far from its origin was logged.
     pub(crate) rounding_warned: Once,
-    /// Completed once the warning about toed-in pairs was logged.
-    toe_in_warned: Once,
+    /// Completed once the warning about pairs without common rows was logged.
+    apart_warned: Once,
 }
 
 impl Renderer {
@@ -70,7 +70,7 @@ impl Renderer {
             searches_together: gpu.adapter_info().device_type != wgpu::DeviceType::Cpu,
             steps: Steps::default(),
             rounding_warned: Once::new(),
-            toe_in_warned: Once::new(),
+            apart_warned: Once::new(),
             gpu,
         }
     }
@@ -85,17 +85,15 @@ impl Renderer {
         &self.gpu
     }
 
-    /// Returns the eyes of a toed-in pair, each with a frame of its own, or `None` for other pairs.
-    pub(super) fn toed_in(&self, pose: &Pose, options: &Options) -> Option<[Eyes; 2]> {
-        if pose.projection != Projection::ToeIn {
-            return None;
-        }
+    /// Returns the eyes of a pair whose rows are not epipolar lines, each with a frame of its own, or `None` for other
+    /// pairs.
+    pub(super) fn apart(&self, pose: &Pose, options: &Options) -> Option<[Eyes; 2]> {
+        let name = pose.projection.without_rows()?;
         if options.method != Method::Naive {
             let method = options.method;
-            self.toe_in_warned.call_once(|| {
+            self.apart_warned.call_once(|| {
                 log::warn!(
-                    "toed-in eyes share no rows, so nothing can be reused: tracing both eyes (naive) instead of \
-                     {method}"
+                    "{name} share no rows, so nothing can be reused: tracing both eyes (naive) instead of {method}"
                 );
             });
         }

@@ -23,8 +23,11 @@ impl Eyes {
     /// # Errors
     /// [`Error::Samples`] if directions in f32 don't resolve the samples.
     pub(crate) fn with_samples(&self, side: u32) -> Result<Self, Error> {
-        let size = self.pose.size.map(|pixels| pixels * side);
-        self.finer(Pose { size, ..self.pose }, side)
+        let Pose { size, mut field, .. } = self.pose;
+        if let Field::Lenses(lenses) = &mut field {
+            *lenses = lenses.map(|lens| lens.scaled([side.into(); 2], 0.0));
+        }
+        self.finer(Pose { size: size.map(|pixels| pixels * side), field, ..self.pose }, side)
     }
 
     /// Returns the same eyes with one pixel per sample of a lattice of `side` samples per pixel side. Its first and
@@ -44,6 +47,7 @@ impl Eyes {
             Field::Sphere(sphere) => {
                 sphere.angles = [0, 1].map(|axis| sphere.angles[axis] * (1.0 + 1.0 / f64::from(samples[axis])));
             }
+            Field::Lenses(lenses) => *lenses = lenses.map(|lens| lens.scaled([side.into(); 2], 0.5)),
         }
         self.finer(Pose { size: samples.map(|samples| samples + 1), screen_size, field, ..self.pose }, side)
     }

@@ -71,6 +71,11 @@ impl<'a> Channels<'a> {
         self.truth.is_some()
     }
 
+    /// Returns whether points leave their rows, so that there are no disparities.
+    pub(crate) fn leaves_rows(&self) -> bool {
+        self.pair.is_some_and(|(pair, _)| pair.pose.projection.without_rows().is_some())
+    }
+
     /// Returns the values of a channel.
     ///
     /// # Errors
@@ -134,8 +139,8 @@ impl<'a> Channels<'a> {
         let Some((pair, is_right)) = self.pair else {
             return Err(missing(channel, "only pairs have disparities; a camera converts depths"));
         };
-        if pair.pose.projection == crate::Projection::ToeIn {
-            return Err(missing(channel, "toed-in eyes have none: points do not stay in their rows"));
+        if self.leaves_rows() {
+            return Err(missing(channel, "toed-in eyes and lenses have none: points do not stay in their rows"));
         }
         Ok(Values::Floats(match self.truth()? {
             Some(truth) => Cow::Borrowed(&truth.disparity),

@@ -30,6 +30,7 @@ impl Pose {
     /// `-e_px` at infinity. For parallel cameras it is `f_px e / Z`, which is 0 at infinity and positive elsewhere. For
     /// toed-in eyes it applies to points on the axis between them ([`Pose::parallax_px`]). For equirectangular pairs it
     /// is `2 atan(e / (2 s)) w / a` on the horizon, with horizontal distances `s = z` and `w` columns for `a` radians.
+    /// For eyes with lenses it is the disparity without distortion, by the left lens's focal length.
     ///
     /// Both eyes look through one screen rectangle, so these disparities equal `f B / Z - e_px`. The first term is the
     /// disparity of two parallel cameras with baseline `B = e` and focal length `f = d w / W` pixels.
@@ -45,6 +46,7 @@ impl Pose {
                 f64::from(parallax.scale_px) * disparity / self.toe_in_divisor(z.into())
             }
             Field::Sphere(sphere) => Circle::of(self, &sphere).disparity_px(z.into(), 0.0),
+            Field::Lenses([left, _]) => left.fx * f64::from(self.interaxial) / f64::from(z),
         }
     }
 }
@@ -103,8 +105,9 @@ impl StereoPair {
     /// With the screen at infinity, the cameras are already parallel. A point in the plane of the eyes has the
     /// disparity `f32::INFINITY`.
     ///
-    /// The list is empty if depth was not kept ([`GBuffer::None`](crate::GBuffer)), or if the eyes are toed in
-    /// ([`Projection::ToeIn`](crate::Projection)). With toed-in eyes, points don't stay in their rows.
+    /// The list is empty if depth was not kept ([`GBuffer::None`](crate::GBuffer)), and if the eyes are toed in
+    /// ([`Projection::ToeIn`](crate::Projection)) or have lenses. Points then don't stay in their rows:
+    /// [`Renderer::correspondence`](crate::Renderer::correspondence) returns their places.
     ///
     /// ```
     /// use stereotrace::{Builtin, render_stereo};
@@ -126,7 +129,7 @@ impl StereoPair {
     }
 
     /// Returns whether the right eye sees the point of each left pixel, judged by the right view's depths. The list is
-    /// row-major, `[height][width]`, top row first. It is empty if depth was not kept or the eyes are toed in.
+    /// row-major, `[height][width]`, top row first. It is empty where [`StereoPair::disparity`] is.
     ///
     /// A point lands up to half a pixel from the nearest right pixel's centre. The surface there is extrapolated to the
     /// landing position with the flatter of the disparity slopes to the two neighbours. If the slopes have opposite
@@ -137,7 +140,7 @@ impl StereoPair {
     /// eye to each point, 0.3 to 2.9% of the pixels of the built-in scenes differ (docs/DESIGN.md, section 7).
     /// [`Renderer::occlusions`](crate::Renderer::occlusions) casts these rays.
     pub fn occlusion(&self) -> Vec<Occlusion> {
-        if self.pose.projection == Projection::ToeIn {
+        if self.pose.projection.without_rows().is_some() {
             return Vec::new();
         }
         let width = (self.left.width as usize).max(1);
@@ -155,7 +158,7 @@ impl StereoPair {
             Projection::OffAxis | Projection::Equirectangular(_) => {
                 self.exact(view, side).into_iter().map(|d| d as f32).collect()
             }
-            Projection::ToeIn => Vec::new(),
+            Projection::ToeIn | Projection::Lenses(_) => Vec::new(),
         }
     }
 

@@ -119,7 +119,8 @@ impl Renderer {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair without ids or by a method that copies pixels; [`Error::Rig`] for toed-in eyes;
+    /// [`Error::Options`] for a pair without ids or by a method that copies pixels; [`Error::Rig`] for toed-in eyes and
+    /// lenses;
     /// [`Error::Scene`] if the scenes differ in more than positions, or if `then.scene` is not the uploaded scene;
     /// [`Error::Camera`] for a camera of another projection than the pair's; and the errors of
     /// [`Renderer::closest_hits`].
@@ -185,10 +186,10 @@ fn checked(pair: &StereoPair, scene: &Scene, then: &Moment<'_>) -> Result<Pose, 
     }
     check_ids(scene, pair)?;
     let pose = then.camera.pose_in(then.scene.origin())?;
+    if let Some(name) = pair.pose.projection.without_rows().or(pose.projection.without_rows()) {
+        return Err(Error::Rig { reason: format!("{name} have no disparity, which flow needs") });
+    }
     let is_same = match (pair.pose.projection, pose.projection) {
-        (Projection::ToeIn, _) | (_, Projection::ToeIn) => {
-            return Err(Error::Rig { reason: "toed-in eyes have no disparity, which flow needs".into() });
-        }
         (Projection::OffAxis, Projection::OffAxis) => true,
         (Projection::Equirectangular(now), Projection::Equirectangular(then)) => now == then,
         _ => false,

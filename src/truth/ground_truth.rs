@@ -32,7 +32,8 @@ pub struct EyeTruth {
     pub depth: Vec<f32>,
     /// Distance from the eye along the pixel's ray in world units; `f32::INFINITY` for sky.
     pub distance: Vec<f32>,
-    /// Disparity `x_l - x_r` in pixels ([`StereoPair::disparity`]). Sky has the disparity of infinite depth.
+    /// Disparity `x_l - x_r` in pixels ([`StereoPair::disparity`]). Sky has the disparity of infinite depth. The list
+    /// is empty for eyes with lenses ([`Renderer::correspondence`]).
     pub disparity: Vec<f32>,
     /// Whether the other eye sees the same point ([`Renderer::occlusions`]).
     pub occlusion: Vec<Occlusion>,

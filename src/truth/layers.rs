@@ -202,8 +202,8 @@ impl Renderer {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Options`] for a number of surfaces out of range; [`Error::Rig`] for toed-in eyes; and the errors of
-    /// [`Renderer::ground_truth`].
+    /// [`Error::Options`] for a number of surfaces out of range; [`Error::Rig`] for toed-in eyes and lenses; and the
+    /// errors of [`Renderer::ground_truth`].
     pub async fn layers(
         &self,
         uploaded: &UploadedScene,
@@ -214,6 +214,9 @@ impl Renderer {
         check(layering)?;
         check_pair(pair)?;
         check_scene(uploaded, scene, pair)?;
+        if let Some(name) = pair.pose.projection.without_rows() {
+            return Err(Error::Rig { reason: format!("{name} have no disparity, which layers need") });
+        }
         let place = Place { scene, uploaded };
         Ok(Layers {
             left: self.eye_layers(place, pair, -1.0, layering).await?,

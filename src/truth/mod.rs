@@ -1,6 +1,7 @@
 //! Ground truth of views, and measures of pictures against it.
 
 pub(crate) mod channels;
+pub(crate) mod correspondence;
 pub(crate) mod disparity;
 pub(crate) mod flow;
 pub(crate) mod ground_truth;

@@ -1,9 +1,9 @@
 //! Ground truth visibility: traces a ray from the other eye to each point of a view.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::{
-    Error, Occlusion, Pose, Projection, Ray, Renderer, StereoPair, UploadedScene, View,
+    Error, Lens, Occlusion, Pose, Projection, Ray, Renderer, StereoPair, UploadedScene, View,
     view::camera::{Circle, CircleRay, Field},
 };
 
@@ -27,7 +27,7 @@ impl Renderer {
     /// Returns whether the other eye sees the point at each pixel's centre, by tracing a ray from that eye to it.
     /// [`StereoPair::occlusion`] estimates the same from depths. Sky is visible unless something is in front of it. A
     /// pixel whose point lies outside the other picture ([`StereoPair::disparity`]) is out of frame, even if nothing
-    /// hides the point.
+    /// hides the point. With lenses, [`Renderer::correspondence`] says where points lie.
     ///
     /// `pair` is a picture of `scene` with depths (the default [`GBuffer::Ids`](crate::GBuffer) has them), by any
     /// method. With methods that copy pixels ([`Method::ATOMIC`](crate::Method::ATOMIC) and similar), right depths
@@ -37,6 +37,10 @@ impl Renderer {
     /// [`Error::Options`] for a pair without depths, [`Error::Rig`] for toed-in eyes, and the errors of
     /// [`Renderer::closest_hits`].
     pub async fn occlusions(&self, scene: &UploadedScene, pair: &StereoPair) -> Result<Occlusions, Error> {
+        if let Projection::Lenses(_) = pair.pose.projection {
+            let [left, right] = self.matched_occlusions(scene, pair).await?;
+            return Ok(Occlusions { left, right });
+        }
         if pair.pose.projection == Projection::ToeIn {
             let reason = "its eyes are toed in, so rows are not epipolar lines, which occlusion needs";
             return Err(Error::Rig { reason: reason.into() });
@@ -79,8 +83,10 @@ impl Renderer {
 }
 
 /// Camera rays of one eye, and rays from the other eye to their hits.
+#[expect(clippy::large_enum_variant, reason = "there is one value for a view")]
 pub(crate) enum Pixels {
     Planar(PlanarPixels),
+    Lens(LensPixels),
     Around {
         circle: Circle,
         pose: Pose,
@@ -103,6 +109,29 @@ pub(crate) struct PlanarPixels {
     down: DVec3,
 }
 
+/// Camera rays of an eye with a lens, and the position of the other eye.
+pub(crate) struct LensPixels {
+    eye: DVec3,
+    other_eye: DVec3,
+    /// Right, down and forward.
+    axes: [DVec3; 3],
+    lens: Lens,
+}
+
+impl LensPixels {
+    fn of(pose: &Pose, side: f64, [left, right]: [Lens; 2]) -> Self {
+        let [other_eye, eye] = [-2.0, 2.0].map(|times| pose.eye_position((times * side) as f32));
+        let axes = [pose.right, -pose.up, pose.forward].map(Vec3::as_dvec3);
+        Self { eye, other_eye, axes, lens: if side > 0.0 { right } else { left } }
+    }
+
+    /// Returns the direction through a point of the picture, of length 1 along the view axis.
+    fn direction(&self, place: [f64; 2]) -> DVec3 {
+        let ([x, y], [right, down, forward]) = (self.lens.tangents_within(place), self.axes);
+        right * x + down * y + forward
+    }
+}
+
 impl Pixels {
     /// Creates the rays of the view whose eye is `side` interaxials to the right of the midpoint.
     pub(crate) fn of(pose: &Pose, side: f64) -> Self {
@@ -111,6 +140,7 @@ impl Pixels {
             Field::Sphere(sphere) => {
                 return Self::Around { circle: Circle::of(pose, &sphere), pose: *pose, side: 2.0 * side };
             }
+            Field::Lenses(lenses) => return Self::Lens(LensPixels::of(pose, side, lenses)),
         };
         let [other, own] = [-2.0, 2.0].map(|times| pose.eye_position((times * side) as f32));
         let [right, down] = frustum.pixel_steps(pose);
@@ -133,6 +163,7 @@ impl Pixels {
     pub(crate) fn ray_through(&self, place: [f64; 2]) -> (DVec3, DVec3) {
         match self {
             Self::Planar(pixels) => (pixels.other_eye + pixels.aside, pixels.direction(place)),
+            Self::Lens(pixels) => (pixels.eye, pixels.direction(place)),
             Self::Around { circle, pose, side } => in_world(pose, circle.ray(place, *side)),
         }
     }
@@ -143,6 +174,10 @@ impl Pixels {
             Self::Planar(pixels) => {
                 // A point in the plane of the eyes has no direction of this length; it is out of frame.
                 let aside = if z > 0.0 { pixels.aside / f64::from(z) } else { DVec3::ZERO };
+                (pixels.other_eye, pixels.direction([column as f64 + 0.5, row as f64 + 0.5]) + aside)
+            }
+            Self::Lens(pixels) => {
+                let aside = if z > 0.0 { (pixels.eye - pixels.other_eye) / f64::from(z) } else { DVec3::ZERO };
                 (pixels.other_eye, pixels.direction([column as f64 + 0.5, row as f64 + 0.5]) + aside)
             }
             Self::Around { circle, pose, side } => {

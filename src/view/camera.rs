@@ -6,14 +6,19 @@ mod display;
 mod fitting;
 mod frustum;
 mod intrinsics;
+mod lens;
+#[cfg(feature = "json")]
+mod lens_json;
 mod path;
 mod projection;
 mod ranges;
 mod toe_in;
+mod warp;
 
 pub use comfort::Comfort;
 pub use display::{ComfortRule, Comfortable, Display};
 pub use intrinsics::Intrinsics;
+pub use lens::{Distortion, Lens};
 pub use path::CameraPath;
 pub use projection::{Equirectangular, PoleMerge, Projection, Span};
 pub use ranges::{
@@ -120,7 +125,7 @@ pub struct Pose {
     pub size: [u32; 2],
     /// How rays leave the eyes. For toed-in eyes the axes of this pose belong to the midpoint; [`Pose::of_eye`] gives
     /// an eye's own axes. `screen_size` and `interaxial_px` then describe the off-axis camera with the same settings.
-    /// Equirectangular pictures have the values of parallel cameras there.
+    /// Equirectangular pictures and cameras with lenses have the values of parallel cameras there.
     pub projection: Projection,
     /// Distance to the subject in world units, for rules that need a length. It is the screen's distance, or the
     /// target's distance if the screen is at infinity.
@@ -230,7 +235,7 @@ impl StereoCamera {
     /// Returns the errors of [`StereoCamera::pose`].
     pub fn parallel(self) -> Result<Self, Error> {
         let pose = self.pose()?;
-        if pose.projection.equirectangular().is_some() {
+        if matches!(pose.projection, Projection::Equirectangular(_) | Projection::Lenses(_)) {
             return Ok(self);
         }
         let mut camera = self.interaxial(pose.interaxial).screen_distance(f32::INFINITY);
@@ -264,6 +269,9 @@ impl StereoCamera {
         // Scaled intrinsics keep the field of view, also for cameras given by intrinsics.
         let scales = [f64::from(width) / from_width, f64::from(height) / from_height];
         let camera = self.interaxial(pose.interaxial).size(width, height);
+        if let Projection::Lenses(lenses) = self.projection {
+            return Ok(camera.projection(Projection::Lenses(lenses.map(|lens| lens.scaled(scales, 0.0)))));
+        }
         Ok(match pose.intrinsics() {
             Some(intrinsics) => camera.projection(Projection::OffAxis).intrinsics(intrinsics.scaled(scales)),
             None => camera,
@@ -341,8 +349,10 @@ impl StereoCamera {
         }
         let right = side.normalize();
         let target_distance = (towards.length() as f32).clamp(*SCREEN_DISTANCES.start(), *SCREEN_DISTANCES.end());
-        if let Projection::Equirectangular(projection) = self.projection {
-            return self.around(projection, right, target_distance);
+        match self.projection {
+            Projection::Equirectangular(projection) => return self.around(projection, right, target_distance),
+            Projection::Lenses(lenses) => return self.through_glass(lenses, [right, forward], target_distance),
+            Projection::OffAxis | Projection::ToeIn => {}
         }
         let mut view = match (self.screen, self.aperture) {
             (Screen::Distance(d), Aperture::VerticalFov(degrees)) if d.is_finite() => {
@@ -408,6 +418,33 @@ impl StereoCamera {
             projection: self.projection,
             subject_distance,
             field: Field::Sphere(Sphere { projection, angles: [projection.span.radians(), std::f64::consts::PI] }),
+            scene_origin: None,
+        };
+        check_pixel_angles(self, &pose)?;
+        Ok(pose)
+    }
+
+    /// Checks a camera with lenses, with these right and forward axes and this distance of the target.
+    fn through_glass(
+        &self,
+        lenses: [Lens; 2],
+        [right, forward]: [DVec3; 2],
+        subject_distance: f32,
+    ) -> Result<Pose, Error> {
+        let interaxial = self.checked_lenses(&lenses)?;
+        let pose = Pose {
+            eye: self.eye,
+            forward: forward.as_vec3(),
+            right: right.as_vec3(),
+            up: right.cross(forward).as_vec3(),
+            screen_distance: f32::INFINITY,
+            screen_size: [f32::INFINITY; 2],
+            interaxial,
+            interaxial_px: 0.0,
+            size: [self.width, self.height],
+            projection: self.projection,
+            subject_distance,
+            field: Field::Lenses(lenses),
             scene_origin: None,
         };
         check_pixel_angles(self, &pose)?;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::camera::Field;
-use crate::{Error, Options, Pose, Projection, StereoCamera, Visibility};
+use crate::{Distortion, Error, Lens, Options, Pose, Projection, StereoCamera, Visibility};
 
 /// Least number of views for which two traced views are better than one. Each other view then has a nearer source view,
 /// and most have traced views on both sides. This leaves far fewer shadow rays. With 45 views, each other view then
@@ -117,6 +117,18 @@ impl Rig {
                      time"
                 ));
             }
+            (Projection::Lenses([left, right]), [offset]) if *offset != 0.0 || left == right => {
+                return Ok(Eyes::mono(pose.of_eye(2.0 * offset)));
+            }
+            (Projection::Lenses(_), [_]) => {
+                return fault("its lenses differ, and the midpoint has neither; render its eyes as a pair".into());
+            }
+            (Projection::Lenses(_), _) => {
+                return fault(format!(
+                    "the lenses of its {count} eyes distort the pictures, so rows are not epipolar lines; render them \
+                     as a pair, or one at a time"
+                ));
+            }
             (Projection::Equirectangular(_), [0.0] | [-0.5, 0.5]) => {}
             (Projection::Equirectangular(_), offsets) => {
                 return fault(format!(
@@ -205,6 +217,15 @@ pub(crate) enum CameraModel {
     Planar,
     /// Rays are tangents of a viewing circle.
     Around,
+    /// All rays of a view start at its eye, and pass through a lens.
+    Lens(LensModel),
+}
+
+/// The section of `shaders/shared/lens.wgsl` that computes the radial part of a distortion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum LensModel {
+    Radial,
+    Fisheye,
 }
 
 /// The checked eyes of a frame.
@@ -239,10 +260,14 @@ impl Eyes {
     /// Checks that the options are for these eyes.
     ///
     /// # Errors
-    /// [`Error::Options`] for equirectangular pictures by the T-buffer.
+    /// [`Error::Options`] for equirectangular pictures, and pictures of lenses, by the T-buffer.
     pub(crate) fn check(&self, options: &Options) -> Result<(), Error> {
         if self.model() == CameraModel::Around && options.visibility == Visibility::TBuffer {
             let reason = "the T-buffer makes planar pictures only, no equirectangular ones".into();
+            return Err(Error::Options { option: "visibility", reason });
+        }
+        if matches!(self.model(), CameraModel::Lens(_)) && options.visibility == Visibility::TBuffer {
+            let reason = "the T-buffer draws straight edges, which lenses with distortion bend".into();
             return Err(Error::Options { option: "visibility", reason });
         }
         Ok(())
@@ -253,6 +278,12 @@ impl Eyes {
         match self.pose.field {
             Field::Screen(_) => CameraModel::Planar,
             Field::Sphere(_) => CameraModel::Around,
+            Field::Lenses([Lens { distortion: Distortion::RadialTangential { .. }, .. }, _]) => {
+                CameraModel::Lens(LensModel::Radial)
+            }
+            Field::Lenses([Lens { distortion: Distortion::Fisheye { .. }, .. }, _]) => {
+                CameraModel::Lens(LensModel::Fisheye)
+            }
         }
     }
 

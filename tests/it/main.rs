@@ -34,6 +34,7 @@ mod history;
 mod huge_scenes;
 mod jitter;
 mod layers;
+mod lens;
 mod lighting;
 mod limits;
 mod memory;

@@ -9,7 +9,9 @@ use stereotrace::{
     glam::{DVec3, Vec3},
 };
 
-use super::values::{PoleMergeArgument, ProjectionArgument, above_zero, display, point, pole_merge, projection};
+use super::values::{
+    LensArgument, PoleMergeArgument, ProjectionArgument, above_zero, display, lens, point, pole_merge, projection,
+};
 use crate::{shown, studio};
 
 #[derive(Clone, Debug, Args)]
@@ -58,6 +60,16 @@ pub(crate) struct CameraArguments {
     /// World units per metre. The default interaxial of an equirectangular pair is 0.065 metres
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = above_zero, allow_hyphen_values = true)]
     unit: f32,
+    /// Lens with distortion of both eyes: a JSON file, or JSON that begins with a brace, with fx, fy, cx and cy in
+    /// pixels and OpenCV's coefficients radial_tangential or fisheye. Or two lenses, left and right. The eyes are
+    /// parallel, and both views are traced
+    #[arg(
+        long,
+        value_name = "FILE|JSON",
+        value_parser = lens,
+        conflicts_with_all = ["fov", "screen", "interaxial_px", "toe_in", "projection", "calib", "comfort"]
+    )]
+    lens: Option<LensArgument>,
     /// Calibration file of a rectified pair in Middlebury's or KITTI's format. It sets focal lengths, principal points,
     /// baseline and size
     #[arg(long, value_name = "FILE", conflicts_with_all = ["fov", "screen", "interaxial", "interaxial_px", "toe_in"])]
@@ -143,10 +155,22 @@ impl CameraArguments {
 
     /// Returns a path with the projection of --projection.
     pub(super) fn projected_path(&self, path: CameraPath) -> CameraPath {
-        match self.span() {
-            None => path,
-            Some(span) => path.projection(self.equirectangular(span)),
+        match (self.span(), self.lens) {
+            (None, None) => path,
+            (_, Some(LensArgument([left, right]))) => path.projection(Projection::Lenses([left, right])),
+            (Some(span), None) => path.projection(self.equirectangular(span)),
         }
+    }
+
+    /// Returns the camera with the lenses of --lens.
+    ///
+    /// # Errors
+    /// Returns the errors of [`StereoCamera::pose`] for the camera without lenses.
+    pub(super) fn through_lens(&self, camera: StereoCamera) -> Result<StereoCamera, stereotrace::Error> {
+        let Some(LensArgument([left, right])) = self.lens else { return Ok(camera) };
+        // Built-in cameras give the interaxial in pixels, which eyes with lenses don't have.
+        let interaxial = camera.pose()?.interaxial;
+        Ok(camera.interaxial(interaxial).lenses(left, right))
     }
 
     /// Returns the camera with the projection of --projection. An equirectangular pair is level unless --up is given.

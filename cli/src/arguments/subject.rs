@@ -334,6 +334,7 @@ impl Subject {
         };
         let camera = self.camera.projected(self.camera.replace_parts(camera))?;
         let camera = self.camera.calibrated(camera, self.picture.size_said, &self.reading.limits())?;
+        let camera = self.camera.through_lens(camera)?;
         let pose = camera.pose()?; // reports an invalid camera before the scene is uploaded
         check_shape(&pose)?;
         Ok(camera)

@@ -1,9 +1,9 @@
 //! Parses option values.
 
-use std::{ops::Range, path::PathBuf};
+use std::{fs, ops::Range, path::PathBuf};
 
 use stereotrace::{
-    Light, MissingTextures, Origin, OutsideFiles, PoleMerge, Span,
+    Lens, Light, MissingTextures, Origin, OutsideFiles, PoleMerge, Span,
     camera::Display,
     glam::{DVec3, Vec3},
 };
@@ -39,6 +39,17 @@ pub(crate) fn projection(text: &str) -> Result<ProjectionArgument, String> {
         "180" => Ok(ProjectionArgument(Some(Span::Half))),
         _ => Err("it must be planar, 360 or 180".into()),
     }
+}
+
+/// Lenses of the left and the right eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LensArgument(pub(crate) [Lens; 2]);
+
+/// Reads lenses from JSON, or from a file of it.
+pub(crate) fn lens(text: &str) -> Result<LensArgument, String> {
+    let file = (!text.trim_start().starts_with('{')).then(|| fs::read_to_string(text));
+    let json = file.unwrap_or_else(|| Ok(text.to_owned())).map_err(|error| error.to_string())?;
+    Lens::pair_from_json(&json).map(LensArgument).map_err(|error| error.to_string())
 }
 
 /// Merging of the eyes at the poles, if any.

@@ -11,7 +11,7 @@ use std::{
 use clap::Args;
 use serde_json::{Map, Value, json};
 use stereotrace::{
-    Channel, Renderer, Setting,
+    Channel, Projection, Renderer, Setting,
     blocking::Wait,
     dataset::{Layout, PairMaker, Spec},
     message::counted,
@@ -77,6 +77,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut stage = arguments.subject.open(Purpose::Data, global)?;
     if !arguments.subject.screen_is_said() {
         stage.camera = stage.camera.parallel()?;
+    }
+    if let Projection::Lenses(_) = stage.camera.projection_kind() {
+        return Err("--lens: the layouts are for rectified pairs; the Python package writes data sets of lenses".into());
     }
     let around = stage.camera.projection_kind().equirectangular();
     let usual = if around.is_some() { Layout::Panorama } else { Layout::Middlebury };

@@ -28,6 +28,7 @@ pub(super) struct MotionArguments {
 }
 
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a command has one value")]
 pub(super) enum Motion {
     Orbit(StereoCamera, u32),
     Path(CameraPath),

@@ -24,7 +24,7 @@ use crate::{
     stop::{Interrupted, Stop},
     summary::Summary,
     target::{EyesArguments, Target, add_pair, is_open_exr, is_single_picture},
-    truth::{add_layers, add_truth, layering},
+    truth::{add_layers, add_truth_of, layering},
 };
 
 /// Error of a run that a signal ended.
@@ -182,8 +182,8 @@ impl Job<'_> {
             Target::Folder(_) => self.arguments.folder_option().is_none(),
             Target::File(file) => is_single_picture(file),
         };
-        let is_toed_in = stage.camera.projection_kind() == Projection::ToeIn;
-        !has_pictures_only || compare || stage.options.denoise || is_toed_in
+        let is_apart = matches!(stage.camera.projection_kind(), Projection::ToeIn | Projection::Lenses(_));
+        !has_pictures_only || compare || stage.options.denoise || is_apart
     }
 
     /// Adds the files that need the whole pair.
@@ -209,7 +209,7 @@ impl Job<'_> {
                     add_maps(batch, pair, [("left", left), ("right", right)], folder)?;
                 }
                 if self.arguments.ground_truth {
-                    add_truth(batch, &truth()?, folder)?;
+                    add_truth_of(batch, stage, pair, folder)?;
                 }
                 if let Some(layering) = &self.arguments.layers {
                     let layers = stage.renderer.layers(&stage.uploaded, &stage.scene, pair, layering).wait()?;

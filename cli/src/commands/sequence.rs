@@ -25,7 +25,7 @@ use crate::{
     stop::{Interrupted, Stop},
     summary::Summary,
     target::{EyesArguments, Target, add_pair, is_open_exr},
-    truth::{add_flow, add_truth},
+    truth::{add_flow, add_truth_of},
 };
 
 /// File that records the settings and inputs of a folder's pictures.
@@ -296,7 +296,7 @@ impl Truth {
         folder: &Path,
     ) -> Result<(), Box<dyn Error>> {
         fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", shown(folder)))?;
-        add_truth(batch, &stage.renderer.ground_truth(&stage.uploaded, &stage.scene, pair).wait()?, folder)?;
+        add_truth_of(batch, stage, pair, folder)?;
         let before = frame.checked_sub(1).map(|before| ("backward", before));
         let after = (frame + 1 < film.frames()).then_some(("forward", frame + 1));
         for (direction, other) in [after, before].into_iter().flatten() {

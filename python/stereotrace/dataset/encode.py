@@ -26,6 +26,10 @@ FLOW = {
 }
 
 
+# Outputs of matches, and the attributes of ``EyeMatches`` that hold them.
+MATCH = {"match": "place", "match_visibility": "visibility"}
+
+
 def files(pair: StereoPair, spec: Spec, record: dict[str, Any]) -> dict[str, bytes]:
     """Returns a pair's files: bytes by the part of the name after the pair's key.
 
@@ -61,6 +65,8 @@ def _array(pair: StereoPair, view: str, output: str) -> Any:
 
 
 def _of_eye(pair: StereoPair, eye: str, output: str) -> Any:
+    if output in MATCH:
+        return getattr(getattr(pair.matches, eye), MATCH[output])
     if output.startswith("layer_"):
         return getattr(getattr(pair.layers, eye), output.removeprefix("layer_"))
     return getattr(getattr(pair, eye), output)

@@ -160,8 +160,8 @@ def _array(spec: Spec, array: Any, output: str) -> str | None:
     if list(array.shape[start : start + 2]) not in [[height, width] for width, height in sizes]:
         names = " or ".join(f"{width}x{height}" for width, height in sizes)
         return f"its shape is {array.shape}, but pictures have {names} pixels"
-    # Flow behind the eye and layers that are not known are NaN.
-    may_be_nan = output in ("flow", "disparity_change", "layer_disparity", "layer_vertical_disparity")
+    # Flow behind the eye, layers that are not known, and directions that a lens does not show are NaN.
+    may_be_nan = output in ("flow", "disparity_change", "layer_disparity", "layer_vertical_disparity", "match")
     if array.dtype.kind == "f" and not may_be_nan and (wrong := np.isnan(array).sum()):
         return f"{wrong} values are NaN"
     if output == "color" and array.max() == 0:

@@ -1,6 +1,7 @@
 //! The spec of a data set: scenes, poses, rig, random values and outputs. docs/DATA-SETS.md lists its keys.
 
 mod fields;
+mod lens;
 mod read;
 
 use std::path::{Path, PathBuf};
@@ -8,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
+pub(super) use self::lens::LensEntry;
 use super::{
     Layout,
     draws::{Drawn, Draws},
@@ -153,6 +155,10 @@ pub enum Output {
     SceneFlow,
     /// A list of all surfaces along the lines of sight ([`EyeLayers`](crate::EyeLayers)).
     Layer(LayerOutput),
+    /// Places of the points in the other eye's picture ([`EyeMatches::place`](crate::EyeMatches::place)).
+    Match,
+    /// Visibility of the points from the other eye, as a number of [`MatchClass`](crate::MatchClass).
+    MatchVisibility,
 }
 
 /// A list of [`EyeLayers`](crate::EyeLayers).
@@ -227,24 +233,35 @@ impl Output {
             Self::DisparityChange => "disparity_change",
             Self::SceneFlow => "scene_flow",
             Self::Layer(layer) => layer.name(),
+            Self::Match => "match",
+            Self::MatchVisibility => "match_visibility",
         }
     }
 
     /// Returns the outputs that are no channels.
     fn not_channels() -> impl Iterator<Item = Self> {
-        Self::MOTION.into_iter().chain(LayerOutput::ALL.map(Self::Layer))
+        let matches = [Self::Match, Self::MatchVisibility];
+        Self::MOTION.into_iter().chain(LayerOutput::ALL.map(Self::Layer)).chain(matches)
     }
 
     fn named(name: &str) -> Option<Self> {
         Self::not_channels().find(|output| output.name() == name).or_else(|| Some(Self::Channel(name.parse().ok()?)))
     }
 
-    /// Returns the channel, or `None` for motion and layers.
+    /// Returns the channel, or `None` for motion, layers and matches.
     pub(super) fn channel(self) -> Option<Channel> {
         match self {
             Self::Channel(channel) => Some(channel),
-            Self::Flow | Self::FlowVisibility | Self::DisparityChange | Self::SceneFlow | Self::Layer(_) => None,
+            _ => None,
         }
+    }
+
+    pub(super) fn is_motion(self) -> bool {
+        Self::MOTION.contains(&self)
+    }
+
+    pub(super) fn is_match(self) -> bool {
+        matches!(self, Self::Match | Self::MatchVisibility)
     }
 
     pub(super) fn is_layer(self) -> bool {
@@ -630,6 +647,8 @@ pub(super) struct Rig {
     pub(super) cx: Option<Drawn<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) cy: Option<Drawn<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lens: Option<LensEntry>,
     #[serde(flatten)]
     pub(super) around: Option<AroundEntry>,
 }
@@ -750,6 +769,11 @@ impl Spec {
     /// Returns whether arrays of the first or the next pair are layers.
     pub(super) fn needs_layers(&self, next: bool) -> bool {
         self.arrays.iter().any(|array| array.next == next && array.output.is_layer())
+    }
+
+    /// Returns whether arrays of the first or the next pair are matches.
+    pub(super) fn needs_matches(&self, next: bool) -> bool {
+        self.arrays.iter().any(|array| array.next == next && array.output.is_match())
     }
 
     /// Returns a scene's name in records.

@@ -12,6 +12,7 @@ use super::{
         Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
         text, whole, within,
     },
+    lens,
 };
 use crate::{
     Builtin, CameraPath, Channel, Error, Layering, Lighting, Limits, Maker, Method, Options, PoleMerge,
@@ -78,7 +79,11 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     }
     let is_layout = format.layout().is_some();
     let Render { given: render, options, drawn: drawn_options, ends } = render.unwrap_or_default();
-    let (names, arrays) = outputs.unwrap_or_else(|| arrays(["color", "disparity", "occlusion"].map(String::from)));
+    let usual = match rig.as_ref().is_some_and(|rig: &Rig| rig.lens.is_some()) {
+        true => ["color", "match", "match_visibility"],
+        false => ["color", "disparity", "occlusion"],
+    };
+    let (names, arrays) = outputs.unwrap_or_else(|| arrays(usual.map(String::from)));
     let has_layers = arrays.iter().any(|array| array.output.is_layer());
     let default_size = match rig.as_ref().and_then(|rig: &Rig| rig.around).map(|around| around.projection) {
         None => [640, 480],
@@ -143,7 +148,9 @@ fn read_path(spec: &mut Spec) -> Result<(), Error> {
 }
 
 /// Reads a value or a distribution of values. Both ends of a range must be valid values.
-fn drawn<T: Span>(of: impl Fn(&Value, &str) -> Result<T, Error>) -> impl Fn(&Value, &str) -> Result<Drawn<T>, Error> {
+pub(super) fn drawn<T: Span>(
+    of: impl Fn(&Value, &str) -> Result<T, Error>,
+) -> impl Fn(&Value, &str) -> Result<Drawn<T>, Error> {
     move |value, at| {
         let Value::Object(map) = value else { return of(value, at).map(Drawn::Value) };
         let only = map.iter().next().filter(|_| map.len() == 1);
@@ -440,8 +447,10 @@ fn rig(value: &Value, at: &str) -> Result<Rig, Error> {
         fy: fields.get("fy", drawn(above_zero(f64::INFINITY)))?,
         cx: fields.get("cx", drawn(finite))?,
         cy: fields.get("cy", drawn(finite))?,
+        lens: fields.get("lens", lens::lens)?,
     };
     fields.end()?;
+    lens::check_alone(&found, &fields)?;
     let planar = [
         ("interaxial_px", found.interaxial_px.is_some()),
         ("screen_distance", found.screen_distance.is_some()),
@@ -744,7 +753,7 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
     let method = spec.options.method;
     let is_bracket = matches!(method, Method::Auto | Method::Bracket(_));
     let channels = || spec.arrays.iter().filter_map(|array| array.output.channel());
-    let needs_motion = |array: &&Array| array.next || (array.output.channel().is_none() && !array.output.is_layer());
+    let needs_motion = |array: &&Array| array.next || array.output.is_motion();
     match (&spec.motion, spec.arrays.iter().find(needs_motion)) {
         (None, Some(array)) => {
             let name = format!("{}.{}", array.view(), array.output.name());
@@ -771,6 +780,7 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
     if channels().any(|channel| channel == Channel::Albedo) && spec.options.lighting == Lighting::Direct {
         return fault("outputs", "albedo needs light by paths; set render.lighting");
     }
+    lens::check_together(spec)?;
     let layout = spec.format.layout();
     if let Some(layout) = layout.filter(|layout| layout.is_equirectangular() != spec.rig.around.is_some()) {
         let reason = match layout.is_equirectangular() {

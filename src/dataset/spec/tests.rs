@@ -63,3 +63,44 @@ fn normal_distributions_that_are_not_valid_are_refused() {
     spec(r#""rig": {"interaxial": {"normal": [0.1, 0.01]}}"#).unwrap();
     spec(r#""rig": {"interaxial": {"normal": [0.1, 0.1, 0.05, 0.2]}}"#).unwrap();
 }
+
+#[test]
+fn lenses_are_fixed_or_drawn() {
+    let spec = spec(
+        r#""rig": {"lens": {"fx": {"uniform": [400, 500]}, "cy": 230,
+        "radial_tangential": [{"uniform": [-0.2, 0.0]}, 0.03, 0.001, 0]}}"#,
+    )
+    .unwrap();
+    let names = Vec::from_iter(spec.arrays().iter().map(|array| array.output.name()));
+    assert_eq!(names, ["color", "color", "match", "match", "match_visibility", "match_visibility"]);
+    let again = Spec::from_json(&spec.to_json(), ".").unwrap();
+    let drawn = |spec: &Spec, item| {
+        spec.rig.lens.as_ref().unwrap().drawn(&Draws { seed: 1, item, attempt: 0 }, [640, 480]).unwrap()
+    };
+    let all = Vec::from_iter((0..50).map(|item| drawn(&spec, item)));
+    assert!(all.iter().all(|lens| (400.0..=500.0).contains(&lens.fx) && lens.fx == lens.fy));
+    assert!(all.iter().all(|lens| [lens.cx, lens.cy] == [320.0, 230.0]) && all[0] != all[1]);
+    assert_eq!(drawn(&again, 7), all[7]);
+}
+
+#[test]
+fn lenses_that_cannot_be_rendered_are_refused_by_key() {
+    let lens = |more: &str| refused(&format!(r#""rig": {{"lens": {{"fx": 400{more}}}}}"#));
+    assert!(lens(r#", "fisheye": [0, 0]"#).contains("rig.lens.fisheye: 2 coefficients must be 4"));
+    assert!(lens(r#", "radial_tangential": [0, 0, 0]"#).contains("3 coefficients must be 4, 5 or 8"));
+    assert!(lens(r#", "k1": 0"#).contains("rig.lens: unknown key 'k1'"));
+    assert!(lens(r#", "fisheye": [0, 0, 0, 0], "radial_tangential": [0, 0, 0, 0]"#).contains("give one of them"));
+    assert!(lens(r#", "radial_tangential": [-0.9, 0, 0, 0]"#).contains("folds at pixel"));
+    assert!(refused(r#""rig": {"lens": {"cx": 3}}"#).contains("rig.lens.fx"));
+    let rig = |more: &str| refused(&format!(r#""rig": {{"lens": {{"fx": 400}}, {more}}}"#));
+    assert!(rig(r#""fov": 40"#).contains("rig.fov: eyes with a lens are parallel"));
+    assert!(rig(r#""projection": 360"#).contains("rig.projection"));
+    let with = |more: &str| refused(&format!(r#""rig": {{"lens": {{"fx": 400}}}}, {more}"#));
+    assert!(with(r#""render": {"method": "bracket"}"#).contains("render.method: bracket reuses rows"));
+    assert!(with(r#""format": "kitti""#).contains("the pairs of kitti are rectified"));
+    assert!(with(r#""outputs": ["disparity"]"#).contains("use match and match_visibility"));
+    assert!(with(r#""outputs": ["layer_depth"]"#).contains("use match and match_visibility"));
+    assert!(with(r#""motion": {}"#).contains("motion: it needs disparities"));
+    // Pairs without a lens have matches too.
+    spec(r#""outputs": ["match", "left.match_visibility"]"#).unwrap();
+}

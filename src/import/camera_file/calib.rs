@@ -193,9 +193,8 @@ impl<'a> File<'a> {
             let (_, text) = &self.values[*name];
             let words = text.split(|c: char| c.is_whitespace() || "[],;".contains(c)).filter(|word| !word.is_empty());
             if words.map(str::parse).any(|number| number != Ok(0.0)) {
-                return Err(
-                    self.fault(name, format!("is '{text}'; lens distortion can't be rendered: rectify the pair"))
-                );
+                return Err(self
+                    .fault(name, format!("is '{text}'; this format is for rectified pairs: give a lens, or rectify")));
             }
         }
         Ok(())
@@ -379,7 +378,7 @@ mod tests {
             ("baseline=193.001\n", "", "baseline is missing"),
             ("width=2964", "width=29.5", ":5: width is 29.5; it must be a whole number"),
             ("width=2964", "width=296400", "calib.txt: invalid camera: size is 296400x1988"),
-            ("isint=0", "k1=-0.1", ":8: k1 is '-0.1'; lens distortion can't be rendered"),
+            ("isint=0", "k1=-0.1", ":8: k1 is '-0.1'; this format is for rectified pairs"),
             ("isint=0", "distortion=[0 0 1e-3 0]", ":8: distortion is '[0 0 1e-3 0]'"),
             ("isint=0", "doffs=124.343", ":8: doffs is already given on line 3"),
             ("isint=0", "isint", ":8: 'isint' is not a name, = and a value"),

@@ -8,7 +8,7 @@ use crate::{
     render::denoise::SMOOTH_LIGHT_ONCE,
     shadow_buffer::READ_TEXELS,
     steps::paths::{ADD_BROUGHT, TRACE_PATHS},
-    view::rig::CameraModel,
+    view::rig::{CameraModel, LensModel},
 };
 
 macro_rules! assert_layout {
@@ -77,6 +77,23 @@ fn host_and_wgsl_structs_have_the_same_layout() {
         ("_pad", offset_of!(layout::CircleEyes, _pad)),
     ];
     assert_struct(&around, "Eyes", &stated, size_of::<layout::Eyes>());
+    let lens = parse(&TRACE_LEFT, &Variant { camera: CameraModel::Lens(LensModel::Radial), ..with });
+    let stated = [
+        ("target_eye", offset_of!(layout::LensEyes, target_eye)),
+        ("focal_x", offset_of!(layout::LensEyes, focal_x)),
+        ("target_corner", offset_of!(layout::LensEyes, target_corner)),
+        ("focal_y", offset_of!(layout::LensEyes, focal_y)),
+        ("step_x", offset_of!(layout::LensEyes, step_x)),
+        ("principal_x", offset_of!(layout::LensEyes, principal_x)),
+        ("step_y", offset_of!(layout::LensEyes, step_y)),
+        ("principal_y", offset_of!(layout::LensEyes, principal_y)),
+        ("radial", offset_of!(layout::LensEyes, radial)),
+        ("divisor", offset_of!(layout::LensEyes, divisor)),
+        ("tangential", offset_of!(layout::LensEyes, tangential)),
+        ("spare", offset_of!(layout::LensEyes, spare)),
+        ("_pad", offset_of!(layout::LensEyes, _pad)),
+    ];
+    assert_struct(&lens, "Eyes", &stated, size_of::<layout::Eyes>());
     assert_layout!(module, Band { size, row_begin, row_end, first_row, runs, buffer_depth, jitter_seed });
     assert_layout!(
         module,

@@ -35,7 +35,7 @@ use crate::{
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
     t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
-    view::rig::CameraModel,
+    view::rig::{CameraModel, LensModel},
 };
 
 pub(super) const ALL: [&Kernel; 70] = [
@@ -111,6 +111,28 @@ pub(super) const ALL: [&Kernel; 70] = [
     &READ_TEXELS,
 ];
 
+/// Kernels of frames that `naive` renders, and kernels without cameras. Pictures of lenses need no others.
+const WITH_LENSES: [&str; 18] = [
+    "trace_left",
+    "trace_in_steps",
+    "trace_hits",
+    "trace_soft",
+    "shade_hits",
+    "list_mirrors",
+    "trace_mirrored",
+    "begin_paths",
+    "trace_paths",
+    "add_brought",
+    "smooth_variances",
+    "smooth_light_once",
+    "closest_hits",
+    "any_hits",
+    "closest_hits_in_steps",
+    "any_hits_in_steps",
+    "pack",
+    "show_color",
+];
+
 /// Returns rows of choices, each below its entry in `counts`, such that any two choices of two options occur together
 /// in some row.
 pub(super) fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
@@ -152,7 +174,7 @@ pub(super) fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3, 2, 4, 2, 2]);
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3, 2, 4, 4, 2]);
     let with = |row: &[usize; 17]| {
         let &[
             traversal,
@@ -177,7 +199,12 @@ pub(super) fn variants() -> Vec<Variant> {
             (traversals[traversal], kinds[kind]);
         Variant {
             traversal,
-            camera: [CameraModel::Planar, CameraModel::Around][camera],
+            camera: [
+                CameraModel::Planar,
+                CameraModel::Around,
+                CameraModel::Lens(LensModel::Radial),
+                CameraModel::Lens(LensModel::Fisheye),
+            ][camera],
             triangles,
             spheres,
             ellipsoids,
@@ -230,8 +257,8 @@ pub(super) fn variants() -> Vec<Variant> {
 }
 
 /// Returns the variants of a kernel. All variants keep samples if the kernel reads them, have mirrors if it is for
-/// mirrors, and have soft light if it samples soft light. Scenes without a tree have no tiles to bound and nothing to
-/// draw.
+/// mirrors, and have soft light if it samples soft light. Kernels that reuse samples have no lenses. Scenes without a
+/// tree have no tiles to bound and nothing to draw.
 pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
     match kernel.role {
@@ -261,6 +288,10 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
         Role::Pixels | Role::LinearPixels | Role::MarkBusy | Role::Objects | Role::RayList(_) => {}
         Role::Hits(Hits::View | Hits::Checked | Hits::Trusted | Hits::Listed) => {}
         Role::Shade(Shading::Traced(_) | Shading::Source | Shading::Listed) => {}
+    }
+    if !WITH_LENSES.contains(&kernel.name) {
+        let is_lens = |with: &&mut Variant| matches!(with.camera, CameraModel::Lens(_));
+        all.iter_mut().filter(is_lens).for_each(|with| with.camera = CameraModel::Planar);
     }
     if kernel.role.does().samples == SampleUse::Read {
         all.iter_mut().for_each(|with| with.samples = true);

@@ -7,12 +7,12 @@ use crate::{
     kernel::traversal::{Boxes, Fetch, RaysPerLane},
     kernel::wgsl::{self, Choice, Linked},
     kernel::{Canvas, Dispatches, Does, Kernel, Role, SampleUse, Visible},
-    view::rig::CameraModel,
+    view::rig::{CameraModel, LensModel},
 };
 
 impl Kernel {
     /// Returns the value of each choice in shared WGSL.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 35] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 36] {
         let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
@@ -100,9 +100,16 @@ impl Kernel {
         let camera = match with.camera {
             CameraModel::Planar => "planar",
             CameraModel::Around => "around",
+            CameraModel::Lens(_) => "lens",
+        };
+        let lens = match with.camera {
+            CameraModel::Planar | CameraModel::Around => "none",
+            CameraModel::Lens(LensModel::Radial) => "radial",
+            CameraModel::Lens(LensModel::Fisheye) => "fisheye",
         };
         [
             ("camera", camera),
+            ("lens", lens),
             ("primitives", primitives),
             ("planes", if with.planes > 0 { "some" } else { "none" }),
             ("cutouts", if with.cutouts { "some" } else { "none" }),

@@ -137,7 +137,7 @@ impl Pose {
     /// Returns the viewing circle of an equirectangular pose.
     pub(crate) fn circle(&self) -> Option<Circle> {
         match self.field {
-            Field::Screen(_) => None,
+            Field::Screen(_) | Field::Lenses(_) => None,
             Field::Sphere(sphere) => Some(Circle::of(self, &sphere)),
         }
     }

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Equirectangular, Intrinsics, Pose, circle::Circle};
+use super::{Equirectangular, Intrinsics, Lens, Pose, circle::Circle};
 use crate::Error;
 
 /// The picture's rectangle on a plane in front of the eyes. This plane is the screen if the camera was specified by its
@@ -27,6 +27,8 @@ pub(crate) enum Field {
     Screen(Frustum),
     /// Azimuths and elevations around a viewing circle.
     Sphere(Sphere),
+    /// Rays through the lenses of the left and the right eye, which are parallel.
+    Lenses([Lens; 2]),
 }
 
 /// The directions that an equirectangular picture shows.
@@ -56,16 +58,29 @@ pub(crate) enum Projector {
         axes: [DVec3; 3],
         side: f64,
     },
+    Lens {
+        eye: DVec3,
+        /// Right, down and forward.
+        axes: [DVec3; 3],
+        lens: Lens,
+    },
 }
 
 impl Projector {
-    /// Returns the column, the row and the depth of a point.
+    /// Returns the column, the row and the depth of a point. A lens that does not show the point's direction gives a
+    /// column and a row of NaN.
     pub(crate) fn project(&self, point: DVec3) -> [f64; 3] {
         match self {
             Self::Screen { eye, .. } => self.project_offset(point - eye),
             Self::Around { circle, center, axes, side } => {
                 let from_center = point - center;
                 circle.project(DVec3::from_array(axes.map(|axis| axis.dot(from_center))), *side)
+            }
+            Self::Lens { eye, axes, lens } => {
+                let [x, y, z] = axes.map(|axis| axis.dot(point - eye));
+                let place = if z > 0.0 { lens.pixel_of([x / z, y / z]) } else { None };
+                let [column, row] = place.unwrap_or([f64::NAN; 2]);
+                [column, row, z]
             }
         }
     }
@@ -80,6 +95,10 @@ impl Projector {
             }
             Self::Around { circle, axes, .. } => {
                 Some(circle.project_direction(DVec3::from_array(axes.map(|axis| axis.dot(direction)))))
+            }
+            Self::Lens { axes, lens, .. } => {
+                let [x, y, z] = axes.map(|axis| axis.dot(direction));
+                if z > 0.0 { lens.pixel_of([x / z, y / z]) } else { None }
             }
         }
     }
@@ -215,6 +234,11 @@ impl Pose {
                 px_per_radian: (f64::from(self.size[0]) / sphere.angles[0]) as f32,
                 radius: 0.5 * self.interaxial,
             },
+            Field::Lenses([left, _]) => Parallax::Planar(PlanarParallax {
+                scale_px: left.fx as f32,
+                at_infinity: 0.0,
+                distance: self.interaxial,
+            }),
         }
     }
 
@@ -240,6 +264,7 @@ impl Pose {
     /// For toed-in eyes it is the parallax of points on the axis between the eyes, at depth `z` along that axis:
     /// `e_px (1 - d/Z) / (1 + e²/(4 d Z))`. Elsewhere use [`Pose::project`]. For equirectangular pairs it is
     /// `-2 atan(e / (2 s)) w / a` on the horizon, with horizontal distances `s = z` and `w` columns for `a` radians.
+    /// For eyes with lenses it is the parallax without distortion, by the left lens's focal length.
     pub fn parallax_px(&self, z: f32) -> f32 {
         self.parallax().px(z) / self.toe_in_divisor(z.into()) as f32
     }
@@ -290,7 +315,7 @@ impl Pose {
     /// Projects a point in world coordinates into an eye's picture (-1 left, +1 right, 0 the midpoint). Returns
     /// `[x, y, Z]`. x and y are pixels from the top left corner, with pixel centres at halves. `Z` is the depth along
     /// the eye's view direction. In equirectangular pictures it is the horizontal distance along the eye's ray, and NaN
-    /// for points within the viewing circle.
+    /// for points within the viewing circle. x and y are NaN for points that an eye's lens does not show.
     pub fn project(&self, point: impl Into<DVec3>, side: f32) -> [f32; 3] {
         self.projector(side).project(point.into()).map(|value| value as f32)
     }
@@ -311,11 +336,16 @@ impl Pose {
                 axes: [self.right, self.up, self.forward].map(Vec3::as_dvec3),
                 side: side.into(),
             },
+            Field::Lenses([left, right]) => Projector::Lens {
+                eye: self.eye_position(side),
+                axes: [self.right, -self.up, self.forward].map(Vec3::as_dvec3),
+                lens: if side > 0.0 { right } else { left },
+            },
         }
     }
 
     /// Returns the camera's intrinsics, for a picture of this size with pixel centres at halves. Equirectangular
-    /// pictures have none.
+    /// pictures have none, and neither have cameras with lenses ([`Pose::lens`]).
     pub fn intrinsics(&self) -> Option<Intrinsics> {
         let [[cx0, cy], [cx1, _]] = [self.principal_px(-1.0)?, self.principal_px(1.0)?];
         Some(Intrinsics { cx1, ..Intrinsics::new(self.focal_px()?, [cx0, cy]) })
@@ -323,10 +353,16 @@ impl Pose {
 
     /// Returns the intrinsics, or an error for pictures that have none.
     pub(crate) fn planar_intrinsics(&self) -> Result<Intrinsics, Error> {
-        self.intrinsics().ok_or_else(|| Error::Camera {
-            field: "projection",
-            value: "equirectangular".into(),
-            reason: "such pictures have no intrinsics; use planar ones",
+        self.intrinsics().ok_or_else(|| {
+            let (value, reason) = match self.field {
+                Field::Lenses(_) => {
+                    ("by lenses with distortion", "such pictures are not rectified; use the rectified camera")
+                }
+                Field::Screen(_) | Field::Sphere(_) => {
+                    ("equirectangular", "such pictures have no intrinsics; use planar ones")
+                }
+            };
+            Error::Camera { field: "projection", value: value.into(), reason }
         })
     }
 
@@ -347,7 +383,7 @@ impl Pose {
     pub(crate) fn frustum(&self) -> Option<Frustum> {
         match self.field {
             Field::Screen(frustum) => Some(frustum),
-            Field::Sphere(_) => None,
+            Field::Sphere(_) | Field::Lenses(_) => None,
         }
     }
 
@@ -366,7 +402,7 @@ impl Pose {
             interaxial_px: times * self.interaxial_px,
             field: match self.field {
                 Field::Screen(frustum) => Field::Screen(Frustum { shift: f64::from(times) * frustum.shift, ..frustum }),
-                sphere @ Field::Sphere(_) => sphere,
+                other @ (Field::Sphere(_) | Field::Lenses(_)) => other,
             },
             ..self
         }

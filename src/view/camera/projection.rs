@@ -1,6 +1,6 @@
 //! Projections: how the rays of a picture leave the eyes.
 
-use super::ranges::fault;
+use super::{Lens, ranges::fault};
 use crate::Error;
 
 /// How the rays of a picture leave the two eyes.
@@ -17,6 +17,9 @@ pub enum Projection {
     ToeIn,
     /// Pictures of all directions, or of half of them, for headsets.
     Equirectangular(Equirectangular),
+    /// Parallel eyes, each with a lens of its own: the left one's, then the right one's
+    /// ([`StereoCamera::lenses`](crate::StereoCamera::lenses)). Rows are not epipolar lines.
+    Lenses([Lens; 2]),
 }
 
 /// Omnidirectional stereo: columns of a picture are azimuths, and rows are elevations. Each eye's rays are tangents of
@@ -73,8 +76,17 @@ impl Projection {
     /// Returns the settings of equirectangular pictures, or `None` for planar ones.
     pub fn equirectangular(self) -> Option<Equirectangular> {
         match self {
-            Self::OffAxis | Self::ToeIn => None,
+            Self::OffAxis | Self::ToeIn | Self::Lenses(_) => None,
             Self::Equirectangular(equirectangular) => Some(equirectangular),
+        }
+    }
+
+    /// Returns what eyes are called whose rows are not epipolar lines, or `None` for other eyes.
+    pub(crate) fn without_rows(self) -> Option<&'static str> {
+        match self {
+            Self::OffAxis | Self::Equirectangular(_) => None,
+            Self::ToeIn => Some("toed-in eyes"),
+            Self::Lenses(_) => Some("eyes with lenses"),
         }
     }
 }
@@ -132,19 +144,20 @@ impl Equirectangular {
     }
 }
 
-/// The JSON of a projection: `"off-axis"`, `"toe-in"`, or an object with `span_deg` (360 or 180) and `pole_merge_deg`
-/// (two elevations, or null).
+/// The JSON of a projection: `"off-axis"`, `"toe-in"`, an object with `span_deg` (360 or 180) and `pole_merge_deg` (two
+/// elevations, or null), or an object with `lenses` (the left and the right one).
 #[cfg(feature = "json")]
 mod json {
     use serde_json::{Value, json};
 
-    use super::{Equirectangular, PoleMerge, Projection, Span};
+    use super::{Equirectangular, Lens, PoleMerge, Projection, Span};
 
     impl Projection {
         pub(crate) fn to_value(self) -> Value {
             match self {
                 Self::OffAxis => json!("off-axis"),
                 Self::ToeIn => json!("toe-in"),
+                Self::Lenses(lenses) => json!({ "lenses": lenses.map(Lens::to_value) }),
                 Self::Equirectangular(Equirectangular { span, merge }) => json!({
                     "span_deg": span.degrees(),
                     "pole_merge_deg": merge.map(|merge| [merge.from, merge.to].map(f64::from)),
@@ -161,6 +174,12 @@ mod json {
                     _ => fault("projection", value, "off-axis, toe-in, or an object with span_deg"),
                 };
             };
+            if let Some(lenses) = fields.get("lenses") {
+                return match lenses.as_array().map(Vec::as_slice) {
+                    Some([left, right]) => Ok(Self::Lenses([Lens::from_value(left)?, Lens::from_value(right)?])),
+                    _ => fault("lenses", lenses, "a list of two lenses"),
+                };
+            }
             let span = fields.get("span_deg").unwrap_or(&Value::Null);
             let Some(span) = span.as_f64().and_then(Span::from_degrees) else {
                 return fault("span_deg", span, "360 or 180");

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::{Aperture, Circle, Field, Lenses, Pose, StereoCamera};
+use super::{Aperture, Circle, Field, Lenses, Pose, StereoCamera, lens::least_lens_angle};
 use crate::Error;
 
 /// Longest side of a picture in pixels. In larger pictures f32 can't distinguish the pixels' directions at any field of
@@ -85,6 +85,7 @@ pub(super) fn check_pixel_angles(camera: &StereoCamera, pose: &Pose) -> Result<(
     if too_small(angle) {
         let [w, h] = pose.size;
         let (field, value) = match camera.aperture {
+            _ if matches!(pose.field, Field::Lenses(_)) => ("lens", "of these focal lengths".into()),
             Aperture::VerticalFov(degrees) => ("vertical_fov", format!("{degrees:?}")),
             Aperture::ScreenWidth(width) => ("screen_width", format!("{width:?}")),
             Aperture::Lenses(Lenses { focal: [fx, fy], principal: [cx, cy] }) => {
@@ -138,5 +139,6 @@ pub(crate) fn least_pixel_angle(pose: &Pose, offset: f64) -> f64 {
             let [across, down] = Circle::of(pose, &sphere).steps;
             across.min(down)
         }
+        Field::Lenses(lenses) => least_lens_angle(&lenses, pose.size),
     }
 }

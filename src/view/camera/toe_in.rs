@@ -9,7 +9,7 @@ impl Pose {
     /// are toed in.
     pub(super) fn turn(&self, side: f32) -> f64 {
         match self.projection {
-            Projection::OffAxis | Projection::Equirectangular(_) => 0.0,
+            Projection::OffAxis | Projection::Equirectangular(_) | Projection::Lenses(_) => 0.0,
             Projection::ToeIn => -(0.5 * f64::from(side * self.interaxial) / f64::from(self.screen_distance)).atan(),
         }
     }
@@ -25,7 +25,7 @@ impl Pose {
     /// from `2 f tan(atan(e / 2d) - atan(e / 2Z))`, the parallax of points on the axis between the eyes.
     pub(crate) fn toe_in_divisor(&self, z: f64) -> f64 {
         match self.projection {
-            Projection::OffAxis | Projection::Equirectangular(_) => 1.0,
+            Projection::OffAxis | Projection::Equirectangular(_) | Projection::Lenses(_) => 1.0,
             Projection::ToeIn => {
                 let half = 0.5 * f64::from(self.interaxial);
                 1.0 + half / f64::from(self.screen_distance) * (half / z)
@@ -36,6 +36,10 @@ impl Pose {
     /// Returns the camera of one eye alone (-1 left, +1 right), with its own position, axes and principal point. An eye
     /// of an equirectangular pair has no single position; its pose is returned as it is.
     pub fn of_eye(&self, side: f32) -> Self {
+        if let Some(lens) = self.lens(side) {
+            let (projection, field) = (Projection::Lenses([lens; 2]), Field::Lenses([lens; 2]));
+            return Self { eye: self.eye_position(side), interaxial: 0.0, projection, field, ..*self };
+        }
         let Field::Screen(frustum) = self.field else { return *self };
         let (forward, right) = self.axes(side);
         let [x, y] = frustum.center;
