@@ -135,8 +135,8 @@ def test_a_folder_without_a_data_set_is_an_error(tmp_path, capsys):
 
 def test_a_sheet_shows_all_pairs(folder, tmp_path, capsys):
     picture = sheet.sheet(str(folder), width=32)
-    # Three pairs of 32x24 pixels, each above its disparity.
-    assert picture.shape[0] % 48 == 0 and picture.shape[1] % 32 == 0 and picture.any(axis=(0, 1)).all()
+    # Three pairs of 32x24 pixels, each above its disparity and its occlusion.
+    assert picture.shape[0] % 72 == 0 and picture.shape[1] % 32 == 0 and picture.any(axis=(0, 1)).all()
     shard = (folder / "pairs-000000.tar").read_bytes()
     _, files = next(verify.pairs(verify.spec_of(dataset.Store(str(folder))), shard))
     first = stereotrace.decode_png(files["left.png"])
@@ -146,6 +146,34 @@ def test_a_sheet_shows_all_pairs(folder, tmp_path, capsys):
     assert sheet.main([str(folder), str(file), "--pairs", "2", "--width", "40"]) == 0
     assert stereotrace.decode_png(file.read_bytes()).shape[2] == 3
     assert sheet.main([str(tmp_path / "none"), str(file)]) == 1 and "no data set" in capsys.readouterr().err
+
+
+def test_a_sheet_shows_flow_classes_and_layers_of_pairs_of_several_sizes(tmp_path):
+    folder = made(
+        tmp_path / "set",
+        pairs=6,
+        seed=3,
+        size={"choice": [[64, 48], [64, 32]]},
+        rig={"interaxial": 0.1, "screen_distance": ".inf"},
+        motion={"camera": {"right": 0.3}},
+        outputs=["color", "disparity", "flow", "flow_visibility", "layer_count"],
+    )
+    assert list(verify.verify(str(folder))) == []
+    sizes = set()
+    spec = verify.spec_of(dataset.Store(str(folder)))
+    for name in sorted(file.name for file in folder.glob("*.tar")):
+        for _, files in verify.pairs(spec, (folder / name).read_bytes()):
+            sizes.add(stereotrace.decode_png(files["left.png"]).shape[:2])
+    assert sizes == {(48, 64), (32, 64)}
+    picture = sheet.sheet(str(folder), width=64)
+    # The tallest pair has five pictures of 48 rows.
+    assert picture.shape[0] % 240 == 0 and picture.shape[1] % 64 == 0
+    colors = sheet.CLASSES.astype(np.uint8)
+    assert all((picture == color).all(axis=-1).any() for color in colors[:3])
+    # A camera that moves to the right moves all points to the left, which is cyan.
+    flow = sheet._hues(np.dstack([np.full((4, 4), -2.0), np.zeros((4, 4))]))
+    assert flow[0, 0].tolist() == [0, 191, 191]
+    assert sheet._hues(np.full((2, 2, 2), np.nan)).max() == 0
 
 
 def test_pictures_are_decoded_as_they_were_encoded():

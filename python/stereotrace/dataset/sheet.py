@@ -19,13 +19,17 @@ RAMP = np.array(
      (210, 49, 5), (122, 4, 3)]
 )  # fmt: skip
 """Colours from the least value to the largest one: every 32nd of Google's Turbo."""
+CLASSES = np.array([(70, 107, 227), (210, 49, 5), (237, 208, 58), (60, 60, 60)])
+"""Colours of visible points, hidden ones, those outside the picture, and others."""
 
 
 def sheet(url: str, count: int = 200, width: int = 160, storage_options: dict[str, Any] | None = None) -> Any:
     """Returns a picture of up to ``count`` pairs, spread evenly over the data set: uint8, ``(height, width, 3)``.
 
-    A pair is its left picture above its disparity, each ``width`` pixels wide. Disparities have the colours of their
-    own range. Data sets without disparity show the left picture only. Raises ``ValueError`` if the folder has no data
+    A pair is a column of pictures, each ``width`` pixels wide: its left picture and those of its arrays that the data
+    set has. Disparities and numbers of layers have the colours of their own range. Classes of occlusion and of flow
+    are blue for visible points, red for hidden ones, yellow outside the picture, and grey otherwise. Flow has the hue
+    of its direction, paler where it is slower. Raises ``ValueError`` if the folder has no data
     set with left pictures in tar or Parquet files, and ``OSError`` if it can't be read."""
     store = Store(url, storage_options)
     spec = spec_of(store)
@@ -42,6 +46,8 @@ def sheet(url: str, count: int = 200, width: int = 160, storage_options: dict[st
                     tiles.append(_tile(files, width))
     if not tiles:
         raise ValueError(f"{url}: it has no pairs yet")
+    height = max(tile.shape[0] for tile in tiles)
+    tiles = [np.pad(tile, ((0, height - tile.shape[0]), (0, 0), (0, 0))) for tile in tiles]
     across = max(1, round((len(tiles) * tiles[0].shape[0] / tiles[0].shape[1] * 1.5) ** 0.5))
     blank = np.zeros_like(tiles[0])
     tiles += [blank] * (-len(tiles) % across)
@@ -50,9 +56,16 @@ def sheet(url: str, count: int = 200, width: int = 160, storage_options: dict[st
 
 def _tile(files: dict[str, bytes], width: int) -> Any:
     found = [_small(read("left.png", files["left.png"]), width)]
-    for name in ("left.disparity.npy", "left.disparity.npy.gz"):
-        if name in files:
-            found.append(_small(_coloured(read(name, files[name])), width))
+    for output, colored in (
+        ("disparity", _colored),
+        ("occlusion", _classes),
+        ("flow", _hues),
+        ("flow_visibility", _classes),
+        ("layer_count", _colored),
+    ):
+        for name in (f"left.{output}{ending}" for ending in (".png", ".npy", ".npy.gz")):
+            if name in files:
+                found.append(_small(colored(read(name, files[name])), width))
     return np.vstack(found)
 
 
@@ -69,8 +82,25 @@ def _small(picture: Any, width: int) -> Any:
     return means.round().astype(np.uint8)
 
 
-def _coloured(values: Any) -> Any:
+def _classes(values: Any) -> Any:
+    """Returns the colours of classes."""
+    return CLASSES[np.minimum(values if values.ndim == 2 else values[..., 0], len(CLASSES) - 1)].astype(np.uint8)
+
+
+def _hues(flow: Any) -> Any:
+    """Returns the colours of flow: the hue of its direction, and white for none."""
+    known = np.isfinite(flow).all(axis=-1)
+    x, y = np.where(known[..., None], flow, 0).transpose(2, 0, 1)
+    speed = np.hypot(x, y)
+    share = speed / max(float(np.percentile(speed[known], 98)) if known.any() else 0.0, 1e-9)
+    hue = np.arctan2(y, x)[..., None] + np.array([0, 2, -2]) * np.pi / 3
+    color = 1 - np.minimum(share, 1)[..., None] * (0.5 - 0.5 * np.cos(hue))
+    return np.where(known[..., None], 255 * color, 0).astype(np.uint8)
+
+
+def _colored(values: Any) -> Any:
     """Returns the colours of values, from the least to the largest one."""
+    values = values.astype(np.float64)
     known = np.isfinite(values)
     low, high = (values[known].min(), values[known].max()) if known.any() else (0, 1)
     place = np.where(known, (values - low) / max(high - low, 1e-9), 0) * (len(RAMP) - 1)
