@@ -1,4 +1,4 @@
-//! What a camera adds to an item's pictures: motion blur and noise. Depths, ids and ground truth stay the same.
+//! Motion blur and sensor noise of an item's pictures. Depths, ids and ground truth stay the same.
 
 use super::{
     draws::Draws,
@@ -21,10 +21,8 @@ pub(super) async fn blur(
     let mut blur = MotionBlur::new();
     let Some(shutter) = &motion.shutter else { return Ok(blur) };
     let open = draws.draw(&shutter.open, "motion.shutter.open");
-    for (number, offset) in (1..).zip(MotionBlur::offsets(open, shutter.times)) {
+    for (offset, options) in MotionBlur::instants(open, shutter.times, options) {
         let camera = stage.advance(renderer, (motion, path), draws, camera, middle + offset).await?;
-        // Samples are at other places of their pixels at each time.
-        let options = options.clone().seed(options.seed.wrapping_add(number));
         let (_, uploaded) = stage.next()?;
         blur.add(&renderer.pair(uploaded, &camera).options(&options).read().await?)?;
     }

@@ -40,7 +40,7 @@ pub(super) struct Stage {
     posed: Option<f64>,
     /// Hash of an animated scene at rest.
     digest: Option<String>,
-    /// The scene at the time of the next pair, or at another time of its motion.
+    /// The scene at the time of the next pair, or at another time of its motion; `None` if only the camera moves.
     next: Option<(Scene, UploadedScene)>,
     builtin: Option<Builtin>,
     /// Camera from which poses are drawn, in place of the spec's camera and rig.
@@ -193,8 +193,8 @@ impl Stage {
         Ok(())
     }
 
-    /// Makes the scene of an item at another time and uploads it. The time is 0 at the first pair and 1 at the next
-    /// pair. Returns the camera of this time.
+    /// Makes the scene of an item at another time, and uploads it if it moves. The time is 0 at the first pair and 1 at
+    /// the next pair. Returns the camera of this time.
     pub(super) async fn advance(
         &mut self,
         renderer: &Renderer,
@@ -203,6 +203,26 @@ impl Stage {
         camera: StereoCamera,
         time: f64,
     ) -> Result<StereoCamera, Error> {
+        if self.animation(motion)?.is_some() || motion.objects.is_some() {
+            self.move_scene(renderer, motion, draws, time).await?;
+        }
+        match path {
+            None => moved_camera(camera, &motion.camera, draws, time),
+            Some(path) => {
+                let there = path.at((f64::from(draws.item) + time) as f32);
+                Ok(camera.eye(there.eye_position()).target(there.target_position()).up(there.up_direction()))
+            }
+        }
+    }
+
+    /// Moves animated and drawn objects to a time, and uploads the scene.
+    async fn move_scene(
+        &mut self,
+        renderer: &Renderer,
+        motion: &Motion,
+        draws: &Draws,
+        time: f64,
+    ) -> Result<(), Error> {
         let mut scene = self.scene.clone();
         if let Some(animation) = self.animation(motion)? {
             let step = draws.draw(&motion.step, "motion.step");
@@ -220,19 +240,15 @@ impl Stage {
             }
         };
         self.next = Some((scene, uploaded));
-        match path {
-            None => moved_camera(camera, &motion.camera, draws, time),
-            Some(path) => {
-                let there = path.at((f64::from(draws.item) + time) as f32);
-                Ok(camera.eye(there.eye_position()).target(there.target_position()).up(there.up_direction()))
-            }
-        }
+        Ok(())
     }
 
     /// Returns the scene of the time that was last made.
     pub(super) fn next(&self) -> Result<(&Scene, &UploadedScene), Error> {
-        let fault = || Error::Scene { element: "the next scene".into(), reason: "it is not uploaded".into() };
-        self.next.as_ref().map(|(scene, uploaded)| (scene, uploaded)).ok_or_else(fault)
+        match &self.next {
+            Some((scene, uploaded)) => Ok((scene, uploaded)),
+            None => Ok((&self.scene, self.uploaded()?)),
+        }
     }
 
     /// Returns a hash of everything that pictures of the scene depend on: its content and its camera in the spec.

@@ -69,6 +69,19 @@ impl StereoCamera {
     }
 }
 
+impl Lens {
+    /// Reads the lenses of the left and the right eye from a JSON file with the content of [`Lens::pair_from_json`].
+    ///
+    /// # Errors
+    /// [`Error::Io`] and [`Error::TooLarge`] as [`StereoCamera::from_json_within`], and [`Error::Parse`] with the file
+    /// and the key.
+    pub fn pair_from_json_file(path: impl AsRef<Path>, limits: &Limits) -> Result<[Self; 2], Error> {
+        let path = path.as_ref();
+        let value: Value = read(path, limits, "lens")?;
+        Self::pair_from_value(&value).map_err(|reason| Error::parse(path, None, reason))
+    }
+}
+
 impl CameraPath {
     /// Reads a path from a JSON file: a list of cameras with the fields of [`StereoCamera::from_json`]. Each has the
     /// number of its key frame in `frame`. If no camera has one, each camera is a frame. The pictures are `width` x

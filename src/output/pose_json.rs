@@ -135,8 +135,7 @@ fn read(pose: &Map<String, Value>) -> Result<Pose, String> {
             Projection::OffAxis | Projection::ToeIn => Field::Screen(frustum(pose)?),
             Projection::Lenses(lenses) => {
                 let size = size(pose)?;
-                let checked = lenses.iter().try_for_each(|lens| lens.check(size));
-                checked.map_err(|error| format!("pose: {error}"))?;
+                Lens::check_both(&lenses, size).map_err(|error| format!("pose: {error}"))?;
                 Field::Lenses(lenses)
             }
             Projection::Equirectangular(projection) => {

@@ -180,15 +180,10 @@ impl Sums {
     /// Returns a view of the mean colours, given its other data.
     fn shown(&self, rows: &ViewRows, options: &Options, weight: f32) -> ViewRows {
         let mean = |sum: &[f64; 3]| sum.map(|value| (value / f64::from(weight)) as f32);
-        let exposure = options.exposure.exp2();
         let mut rows = rows.clone();
-        rows.view.rgba8 = self.colors.iter().map(|sum| options.tone.rgba8(mean(sum), exposure)).collect();
-        if options.linear {
-            let color = |sum| {
-                let [red, green, blue] = mean(sum);
-                [red, green, blue, 1.0]
-            };
-            rows.view.linear = self.colors.iter().map(color).collect();
+        rows.view.show_linear(self.colors.iter().map(mean), options);
+        if !options.linear {
+            rows.view.linear = Vec::new();
         }
         rows.parts = self.parts.iter().map(|sums| sums.weighted(1.0 / weight).means()).collect();
         rows

@@ -34,6 +34,17 @@ impl MotionBlur {
         Self::default()
     }
 
+    /// Usual number of times.
+    pub const TIMES: u32 = 16;
+    /// Maximum number of times that the command and data sets accept.
+    pub const MOST_TIMES: u32 = 256;
+
+    /// Returns the [`MotionBlur::offsets`], each with options that place samples elsewhere in their pixels.
+    pub fn instants(open: f64, times: u32, options: &Options) -> impl Iterator<Item = (f64, Options)> {
+        let options_of = |number| options.clone().seed(options.seed.wrapping_add(number));
+        (1..).zip(Self::offsets(open, times)).map(move |(number, offset)| (offset, options_of(number)))
+    }
+
     /// Returns `times` offsets from the middle of an interval of length `open`, in the same unit. They are the middles
     /// of equal parts of the interval.
     pub fn offsets(open: f64, times: u32) -> impl Iterator<Item = f64> {

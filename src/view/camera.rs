@@ -394,34 +394,11 @@ impl StereoCamera {
     /// Checks an equirectangular camera with this right axis and distance of the target.
     fn around(&self, projection: Equirectangular, right: DVec3, subject_distance: f32) -> Result<Pose, Error> {
         projection.check()?;
-        let interaxial = match self.interaxial {
-            Interaxial::World(interaxial) if interaxial >= 0.0 && interaxial.is_finite() => interaxial,
-            Interaxial::World(_) => {
-                return fault("interaxial", self.interaxial_text(), "it must be a number of at least 0");
-            }
-            Interaxial::Pixels(_) => {
-                let reason = "equirectangular pictures have no parallax at infinity: give it in world units";
-                return fault("interaxial", self.interaxial_text(), reason);
-            }
-        };
+        let reason = "equirectangular pictures have no parallax at infinity: give it in world units";
+        let interaxial = self.world_interaxial(reason)?;
         let up = self.up.as_dvec3().normalize();
-        let pose = Pose {
-            eye: self.eye,
-            forward: up.cross(right).as_vec3(),
-            right: right.as_vec3(),
-            up: up.as_vec3(),
-            screen_distance: f32::INFINITY,
-            screen_size: [f32::INFINITY; 2],
-            interaxial,
-            interaxial_px: 0.0,
-            size: [self.width, self.height],
-            projection: self.projection,
-            subject_distance,
-            field: Field::Sphere(Sphere { projection, angles: [projection.span.radians(), std::f64::consts::PI] }),
-            scene_origin: None,
-        };
-        check_pixel_angles(self, &pose)?;
-        Ok(pose)
+        let field = Field::Sphere(Sphere { projection, angles: [projection.span.radians(), std::f64::consts::PI] });
+        self.without_screen([right, up, up.cross(right)], interaxial, subject_distance, field)
     }
 
     /// Checks a camera with lenses, with these right and forward axes and this distance of the target.
@@ -431,12 +408,35 @@ impl StereoCamera {
         [right, forward]: [DVec3; 2],
         subject_distance: f32,
     ) -> Result<Pose, Error> {
-        let interaxial = self.checked_lenses(&lenses)?;
+        Lens::check_both(&lenses, [self.width, self.height])?;
+        let reason = "eyes with lenses are parallel, without parallax at infinity: give it in world units";
+        let interaxial = self.world_interaxial(reason)?;
+        let axes = [right, right.cross(forward), forward];
+        self.without_screen(axes, interaxial, subject_distance, Field::Lenses(lenses))
+    }
+
+    /// Returns the interaxial in world units. `reason` says why it can't be in pixels.
+    fn world_interaxial(&self, reason: &'static str) -> Result<f32, Error> {
+        match self.interaxial {
+            Interaxial::World(interaxial) if interaxial >= 0.0 && interaxial.is_finite() => Ok(interaxial),
+            Interaxial::World(_) => fault("interaxial", self.interaxial_text(), "it must be a number of at least 0"),
+            Interaxial::Pixels(_) => fault("interaxial", self.interaxial_text(), reason),
+        }
+    }
+
+    /// Returns the pose of parallel eyes that look through no screen, with these axes: right, up and forward.
+    fn without_screen(
+        &self,
+        [right, up, forward]: [DVec3; 3],
+        interaxial: f32,
+        subject_distance: f32,
+        field: Field,
+    ) -> Result<Pose, Error> {
         let pose = Pose {
             eye: self.eye,
             forward: forward.as_vec3(),
             right: right.as_vec3(),
-            up: right.cross(forward).as_vec3(),
+            up: up.as_vec3(),
             screen_distance: f32::INFINITY,
             screen_size: [f32::INFINITY; 2],
             interaxial,
@@ -444,7 +444,7 @@ impl StereoCamera {
             size: [self.width, self.height],
             projection: self.projection,
             subject_distance,
-            field: Field::Lenses(lenses),
+            field,
             scene_origin: None,
         };
         check_pixel_angles(self, &pose)?;

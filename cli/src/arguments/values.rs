@@ -1,9 +1,9 @@
 //! Parses option values.
 
-use std::{fs, ops::Range, path::PathBuf};
+use std::{ops::Range, path::PathBuf};
 
 use stereotrace::{
-    Lens, Light, MissingTextures, Origin, OutsideFiles, PoleMerge, Span,
+    Lens, Light, Limits, MissingTextures, MotionBlur, Origin, OutsideFiles, PoleMerge, Span,
     camera::Display,
     glam::{DVec3, Vec3},
 };
@@ -47,9 +47,11 @@ pub(crate) struct LensArgument(pub(crate) [Lens; 2]);
 
 /// Reads lenses from JSON, or from a file of it.
 pub(crate) fn lens(text: &str) -> Result<LensArgument, String> {
-    let file = (!text.trim_start().starts_with('{')).then(|| fs::read_to_string(text));
-    let json = file.unwrap_or_else(|| Ok(text.to_owned())).map_err(|error| error.to_string())?;
-    Lens::pair_from_json(&json).map(LensArgument).map_err(|error| error.to_string())
+    let lenses = match text.trim_start().starts_with('{') {
+        true => Lens::pair_from_json(text),
+        false => Lens::pair_from_json_file(text, &Limits::default()),
+    };
+    lenses.map(LensArgument).map_err(|error| error.to_string())
 }
 
 /// Merging of the eyes at the poles, if any.
@@ -75,20 +77,15 @@ pub(crate) struct ShutterArgument {
     pub(crate) times: u32,
 }
 
-/// Default and maximum number of pictures while the shutter is open.
-const SHUTTER_TIMES: u32 = 16;
-const MOST_SHUTTER_TIMES: u32 = 256;
-
 pub(crate) fn shutter(text: &str) -> Result<ShutterArgument, String> {
     let (open, times) = text.split_once(':').map_or((text, None), |(open, times)| (open, Some(times)));
-    let times = times.map_or(Ok(SHUTTER_TIMES), str::parse);
+    let times = times.map_or(Ok(MotionBlur::TIMES), str::parse);
+    let most = MotionBlur::MOST_TIMES;
     match (open.parse(), times) {
-        (Ok(open), Ok(times)) if (0.0..=1.0).contains(&open) && (2..=MOST_SHUTTER_TIMES).contains(&times) => {
+        (Ok(open), Ok(times)) if (0.0..=1.0).contains(&open) && (2..=most).contains(&times) => {
             Ok(ShutterArgument { open, times })
         }
-        _ => {
-            Err(format!("it must be a share from 0 to 1, optionally followed by : and 2 to {MOST_SHUTTER_TIMES} times"))
-        }
+        _ => Err(format!("it must be a share from 0 to 1, optionally followed by : and 2 to {most} times")),
     }
 }
 

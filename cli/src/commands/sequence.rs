@@ -212,9 +212,7 @@ fn blur(
 ) -> Result<MotionBlur, stereotrace::Error> {
     let mut blur = MotionBlur::new();
     let Some(shutter) = film.shutter else { return Ok(blur) };
-    for (number, offset) in (1..).zip(MotionBlur::offsets(shutter.open, shutter.times)) {
-        // Samples are at other places of their pixels at each time.
-        let options = options.clone().seed(options.seed.wrapping_add(number));
+    for (offset, options) in MotionBlur::instants(shutter.open, shutter.times, options) {
         blur.add(&film.at(stage, f64::from(frame) + offset, options, progress)?)?;
     }
     Ok(blur)

@@ -15,7 +15,7 @@ use super::{
     lens,
 };
 use crate::{
-    Builtin, CameraPath, Channel, Error, Layering, Lighting, Limits, Maker, Method, Options, PoleMerge,
+    Builtin, CameraPath, Channel, Error, Layering, Lighting, Limits, Maker, Method, MotionBlur, Options, PoleMerge,
     dataset::{
         draws::{Drawn, Normal, PLACES, Span},
         generate::MOST_OBJECTS,
@@ -41,9 +41,6 @@ const NO_SOURCE: &str = "give a file, the name of a built-in scene, or the kind 
 const STEP: f64 = 1.0 / 24.0;
 /// Default share of this time for which the shutter is open: half of it, as in films.
 const OPEN: f64 = 0.5;
-/// Default and maximum number of pictures while the shutter is open.
-const TIMES: u32 = 16;
-const MOST_TIMES: u32 = 256;
 /// Maximum number of electrons of a sensor. Sensors of cameras have 1,000 to 100,000.
 const MOST_ELECTRONS: f64 = 1e7;
 
@@ -633,9 +630,9 @@ fn motion(value: &Value, at: &str) -> Result<Motion, Error> {
 fn shutter(value: &Value, at: &str) -> Result<Shutter, Error> {
     let fields = Fields::of(value, at)?;
     let open = fields.get("open", drawn(within(0.0, 1.0)))?;
-    let times = fields.get("times", whole(2, MOST_TIMES))?;
+    let times = fields.get("times", whole(2, MotionBlur::MOST_TIMES))?;
     fields.end()?;
-    Ok(Shutter { open: open.unwrap_or(Drawn::Value(OPEN)), times: times.unwrap_or(TIMES) })
+    Ok(Shutter { open: open.unwrap_or(Drawn::Value(OPEN)), times: times.unwrap_or(MotionBlur::TIMES) })
 }
 
 fn sensor(value: &Value, at: &str) -> Result<SensorEntry, Error> {

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::{
-    Field, Interaxial, Intrinsics, Pose, Projection, StereoCamera,
+    Field, Intrinsics, Pose, Projection, StereoCamera,
     ranges::fault,
     warp::{Profile, Warp},
 };
@@ -195,7 +195,7 @@ impl Lens {
     }
 
     /// Checks the numbers, and that the picture of this size is not folded.
-    pub(crate) fn check(&self, size: [u32; 2]) -> Result<(), Error> {
+    fn check(&self, size: [u32; 2]) -> Result<(), Error> {
         let Self { fx, fy, cx, cy, distortion } = *self;
         for (name, value) in [("fx", fx), ("fy", fy)] {
             if !(value > 0.0 && value.is_finite()) {
@@ -211,6 +211,12 @@ impl Lens {
             return fault("lens", distortion.to_string(), "coefficients of distortion must be finite numbers");
         }
         border(size).try_for_each(|place| self.check_place(place))
+    }
+
+    /// Checks the lenses of both eyes.
+    pub(crate) fn check_both([left, right]: &[Self; 2], size: [u32; 2]) -> Result<(), Error> {
+        left.check(size)?;
+        if right == left { Ok(()) } else { right.check(size) }
     }
 
     fn check_place(&self, place: [f64; 2]) -> Result<(), Error> {
@@ -295,23 +301,6 @@ impl StereoCamera {
         let focal = [0.5 * (left.fx + right.fx), 0.5 * (left.fy + right.fy)];
         let principal = [0.5 * (left.cx + right.cx), 0.5 * (left.cy + right.cy)];
         self.projection(Projection::OffAxis).intrinsics(Intrinsics::new(focal, principal))
-    }
-
-    /// Checks the lenses, and returns the interaxial in world units.
-    pub(super) fn checked_lenses(&self, lenses: &[Lens; 2]) -> Result<f32, Error> {
-        let size = [self.width, self.height];
-        lenses[0].check(size)?;
-        if lenses[1] != lenses[0] {
-            lenses[1].check(size)?;
-        }
-        match self.interaxial {
-            Interaxial::World(interaxial) if interaxial >= 0.0 && interaxial.is_finite() => Ok(interaxial),
-            Interaxial::World(_) => fault("interaxial", self.interaxial_text(), "it must be a number of at least 0"),
-            Interaxial::Pixels(_) => {
-                let reason = "eyes with lenses are parallel, without parallax at infinity: give it in world units";
-                fault("interaxial", self.interaxial_text(), reason)
-            }
-        }
     }
 }
 
