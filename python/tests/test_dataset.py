@@ -250,6 +250,7 @@ def test_layouts_are_folders(layout, tmp_path):
         "middlebury": "small-000001/000001/im0.png",
         "kitti": "training/image_2/000001_10.png",  # there is one root for all shards
         "sceneflow": "small-000001/frames_finalpass/stereotrace/left/0001.png",
+        "sintel": "training/final_left/000001/frame_0001.png",
         "panorama": "small-000001/000001/im0.png",
     }
     assert (tmp_path / left[layout]).is_file()

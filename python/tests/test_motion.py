@@ -181,12 +181,42 @@ def test_specs_of_motion_name_what_is_wrong(tmp_path):
         dataset.worker.Worker(spec).pair(0)
 
 
-def test_kitti_and_scene_flow_hold_motion(tmp_path):
+def sintel_holds_motion(training, pair):
+    """Reads a pair of Sintel's layout as its own code does (``sintel_io.py``), and compares it."""
+    following, forward, _ = pair.motion
+    for frame, made in ((1, pair), (2, following)):
+        name = f"000001/frame_{frame:04}"
+        read = cv2.imread(str(training / "disparities" / f"{name}.png"))[..., ::-1].astype(np.float64)
+        disparity = read[..., 0] * 4 + read[..., 1] / 2**6 + read[..., 2] / 2**14
+        assert np.abs(disparity - made.left.disparity).max() <= 0.5 / 2**14 + 1e-6
+        for folder, number in (("occlusions", 1), ("outofframe", 2)):
+            mask = cv2.imread(str(training / folder / f"{name}.png"), cv2.IMREAD_UNCHANGED)
+            assert np.array_equal(mask == 255, made.left.occlusion == number) and set(mask.flat) <= {0, 255}
+        for folder, view in (("final", made.left), ("final_left", made.left), ("final_right", made.right)):
+            assert np.array_equal(cv2.imread(str(training / folder / f"{name}.png"))[..., ::-1], view.color)
+        data = (training / "camdata_left" / f"{name}.cam").read_bytes()
+        assert np.frombuffer(data, np.float32, 1)[0] == np.float32(202021.25)
+        numbers = np.frombuffer(data, np.float64, offset=4)
+        intrinsics, extrinsics = numbers[:9].reshape(3, 3), numbers[9:].reshape(3, 4)
+        # Its places of points are half a pixel less than the camera's, whose pixel centres are at halves.
+        eye, target = np.array(made.camera.eye), np.array(made.camera.target)
+        for point in (target, target + (0.3, 0.1, -0.2), 0.5 * (eye + target) + (0.1, 0, 0.05)):
+            x, y, depth = intrinsics @ (extrinsics @ [*point, 1])
+            place = np.array(made.camera.project(point, "left"))[:2] - 0.5
+            assert place == pytest.approx((x / depth, y / depth), abs=1e-3)
+    flow = np.frombuffer((training / "flow" / "000001" / "frame_0001.flo").read_bytes(), np.float32, offset=12)
+    assert np.array_equal(flow.reshape(forward.left.flow.shape), forward.left.flow)
+    for folder, classes in (("flow_occlusions", (1, 2)), ("invalid", (3,))):
+        mask = cv2.imread(str(training / folder / "000001" / "frame_0001.png"), cv2.IMREAD_UNCHANGED)
+        assert np.array_equal(mask == 255, np.isin(forward.left.visibility, classes))
+
+
+def test_layouts_hold_motion(tmp_path):
     changes = {"outputs": None, "pairs": 2, "scenes": [{"builtin": "near"}]}
-    for layout in ("kitti", "sceneflow"):
+    for layout in ("kitti", "sceneflow", "sintel"):
         report = dataset.make(moving(tmp_path, format=layout, **changes), str(tmp_path / layout))
         assert not report.errors
-    spec = moving(tmp_path, **{**changes, "outputs": ["occlusion", "disparity", "flow"]})
+    spec = moving(tmp_path, **{**changes, "outputs": ["occlusion", "disparity", "depth", "object", "flow"]})
     pair, _ = dataset.worker.Worker(spec).pair(1)
     following, forward, backward = pair.motion
     surface = pair.left.occlusion < 3
@@ -201,6 +231,14 @@ def test_kitti_and_scene_flow_hold_motion(tmp_path):
     expected = pair.left.disparity + forward.left.disparity_change
     assert np.abs(then - expected)[then > 0].max() <= 0.5 / 256 + 1e-5
     assert np.array_equal(cv2.imread(str(training / "image_3" / "000001_11.png"))[..., ::-1], following.right.color)
+    both = cv2.imread(str(training / "disp_noc_1" / "000001_10.png"), cv2.IMREAD_UNCHANGED) / 256
+    assert np.array_equal(both[both > 0], then[both > 0]) and 0 < (both > 0).sum() < (then > 0).sum()
+    moves = (forward.left.displacement != 0).any(axis=-1)
+    objects = cv2.imread(str(training / "obj_map" / "000001_10.png"), cv2.IMREAD_UNCHANGED)
+    assert np.array_equal(objects > 0, moves) and moves.any()
+    of_objects = {tuple(sorted(set(pair.left.object[objects == number]))) for number in set(objects[moves])}
+    assert all(len(ids) == 1 for ids in of_objects)
+    sintel_holds_motion(tmp_path / "sintel" / "training", pair)
     flows = next((tmp_path / "sceneflow").rglob("optical_flow"))
     for name, found, frame in (("future", forward, 2), ("past", backward, 3)):
         file = flows / "stereotrace" / f"into_{name}" / "right" / f"OpticalFlowInto{name.title()}_{frame:04}_R.pfm"

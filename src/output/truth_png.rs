@@ -11,6 +11,11 @@ use crate::{Error, EyeTruth, MISS, Occlusion};
 /// Number of sample values per pixel of disparity.
 const KITTI_STEPS: f64 = 256.0;
 
+/// Number of sample values per pixel of disparity in Sintel's format.
+const SINTEL_STEPS: f64 = 16_384.0;
+/// Disparity in pixels from which Sintel's files can't hold it.
+pub(crate) const SINTEL_DISPARITIES: f32 = 1024.0;
+
 /// Largest id that fits 16 bits, since ids are stored as id + 1, and 0 means a miss.
 const LARGEST_ID: u32 = u16::MAX as u32 - 1;
 
@@ -43,6 +48,36 @@ impl Batch {
             false => Ok(0),
         });
         self.add_grey16(path, width, height, &samples.collect::<Result<Vec<_>, _>>()?)
+    }
+
+    /// Adds disparities as an 8-bit colour PNG file in Sintel's format: red, green and blue are the bytes of
+    /// `round(16384 d)`, the highest first. Readers compute `4 r + g / 64 + b / 16384`.
+    ///
+    /// # Errors
+    /// [`Error::Io`], naming the pixel, for a disparity that the format can't hold: one of 1024 or more, a negative one
+    /// or NaN. [`Error::Io`] also for a list that is not `width * height` long, and as [`Batch::add`].
+    pub fn add_sintel_disparity(
+        &mut self,
+        path: impl AsRef<Path>,
+        width: u32,
+        height: u32,
+        disparity: &[f32],
+    ) -> Result<(), Error> {
+        let path = path.as_ref();
+        check_count(path, width, height, disparity.len())?;
+        let samples = disparity.iter().enumerate().map(|(index, &d)| {
+            let steps = (f64::from(d) * SINTEL_STEPS).round();
+            if (0.0..SINTEL_STEPS * f64::from(SINTEL_DISPARITIES)).contains(&steps) {
+                let [_, bytes @ ..] = (steps as u32).to_be_bytes();
+                return Ok(bytes);
+            }
+            let (column, row) = (index % width as usize, index / width as usize);
+            let reason = "is not between 0 and 1024, so Sintel's PNG file can't hold it; write a PFM file";
+            Err(Error::unwritable(path, format!("disparity {d} px at column {column}, row {row} {reason}")))
+        });
+        let samples = samples.collect::<Result<Vec<[u8; 3]>, _>>()?;
+        let kind = PngKind { color: png::ColorType::Rgb, depth: png::BitDepth::Eight, is_srgb: false };
+        self.add(path, &png_bytes(path, width, height, kind, samples.as_flattened())?)
     }
 
     /// Adds ids as a 16-bit grey PNG file: 0 for [`MISS`], else the id + 1.
@@ -109,12 +144,17 @@ impl Batch {
     /// # Errors
     /// As [`Batch::add_nocc_mask`].
     pub fn add_sky_mask(&mut self, path: impl AsRef<Path>, truth: &EyeTruth) -> Result<(), Error> {
-        let grey = truth.sky().into_iter().map(|is_sky| if is_sky { 255 } else { 0 });
-        self.add_grey8(path.as_ref(), [truth.width, truth.height], &Vec::from_iter(grey))
+        self.add_mask(path, [truth.width, truth.height], &truth.sky())
+    }
+
+    /// Adds a mask as an 8-bit grey PNG file: 255 where it is true, else 0.
+    pub(crate) fn add_mask(&mut self, path: impl AsRef<Path>, size: [u32; 2], mask: &[bool]) -> Result<(), Error> {
+        let grey = mask.iter().map(|&is_set| if is_set { 255 } else { 0 });
+        self.add_grey8(path.as_ref(), size, &Vec::from_iter(grey))
     }
 
     /// Adds an 8-bit grey PNG file.
-    pub(super) fn add_grey8(&mut self, path: &Path, size: [u32; 2], samples: &[u8]) -> Result<(), Error> {
+    pub(crate) fn add_grey8(&mut self, path: &Path, size: [u32; 2], samples: &[u8]) -> Result<(), Error> {
         let [width, height] = size;
         check_count(path, width, height, samples.len())?;
         let kind = PngKind { color: png::ColorType::Grayscale, depth: png::BitDepth::Eight, is_srgb: false };
@@ -225,6 +265,30 @@ mod tests {
         }
         assert!(Batch::new().add_kitti_disparity(folder.file("a.png"), 2, 3, &[1.0; 6], &[true; 5]).is_err());
         assert!(folder.names().is_empty());
+    }
+
+    #[test]
+    fn sintel_has_16384_steps_a_pixel_in_three_bytes() {
+        let folder = Folder::new("sintel");
+        let path = folder.file("a.png");
+        let values = [0.0, 1.0, 4.0, 1_023.999_9, 0.5 / 16_384.0, 77.125];
+        let mut batch = Batch::new();
+        batch.add_sintel_disparity(&path, 3, 2, &values).unwrap();
+        batch.commit().unwrap();
+        let image::DynamicImage::ImageRgb8(read) = image::open(&path).unwrap() else { panic!() };
+        // As in Sintel's own reader.
+        let disparity = |pixel: &image::Rgb<u8>| {
+            let [r, g, b] = pixel.0.map(f64::from);
+            r * 4.0 + g / 64.0 + b / 16_384.0
+        };
+        for (pixel, value) in read.pixels().zip(values) {
+            assert!((disparity(pixel) - f64::from(value)).abs() <= 0.5 / 16_384.0, "{value}: {pixel:?}");
+        }
+        for value in [-0.01, 1024.0, f32::INFINITY, f32::NAN] {
+            let add = Batch::new().add_sintel_disparity(folder.file("b.png"), 2, 2, &[0.0, 0.0, 0.0, value]);
+            let message = add.unwrap_err().to_string();
+            assert!(message.contains(&format!("b.png: disparity {value} px at column 1, row 1 is not")), "{message}");
+        }
     }
 
     #[test]

@@ -34,7 +34,8 @@ const PAIRS: u32 = 20;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// Layout of the files: middlebury (2014), kitti (2015), sceneflow, or panorama for --projection 360 or 180.
+    /// Layout of the files: middlebury (2014), kitti (2015), sceneflow, sintel, or panorama for --projection 360
+    /// or 180.
     /// Cameras are parallel unless --screen, --cameras or --calib is given. Only middlebury accepts a finite screen,
     /// with all disparities 0 or more [default: the one of these that suits the projection: middlebury or panorama]
     #[arg(long)]

@@ -21,7 +21,7 @@ from .file import MOST_LEVELS, SpecError, read, shown
 
 ENDINGS = {"webdataset": ".tar", "parquet": ".parquet"}
 """File endings of shards, by format."""
-ONE_ROOT = {"kitti": "training"}
+ONE_ROOT = {"kitti": "training", "sintel": "training"}
 """Layouts that put the pairs of all shards into one folder, and its name."""
 MOST_VALUES = 1_000_000
 """Maximum number of values of a spec. Each use of an alias counts."""
