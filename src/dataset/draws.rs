@@ -133,6 +133,7 @@ pub(super) fn rounded(value: f64) -> f64 {
 }
 
 /// The random values of one pair.
+#[derive(Clone, Copy)]
 pub(super) struct Draws {
     pub(super) seed: u32,
     pub(super) item: u32,

@@ -212,7 +212,7 @@ impl PairMaker {
     /// Returns the index of a pair's scene.
     pub fn scene_of(&self, item: u32) -> usize {
         let weights: Vec<f64> = self.spec.scenes.iter().map(|scene| scene.weight).collect();
-        self.draws(item).weighted(&weights, "scene")
+        self.spec.scene_draws(&self.draws(item)).weighted(&weights, "scene")
     }
 
     /// Returns a scene with the lights and materials of the last pair, and reads it if it is not in memory. A generated
@@ -427,6 +427,7 @@ impl Scenes {
             let reason = format!("no scene {index}; there are {}", spec.scenes.len());
             return Err(Error::Spec { key: "scenes".into(), reason });
         }
+        let draws = &spec.scene_draws(draws);
         self.stages.retain(|(kept, stage)| *kept != index || !stage.is_for_another(draws));
         let kept = self.stages.iter().position(|(kept, _)| *kept == index);
         let stage = match kept {

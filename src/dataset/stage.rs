@@ -28,6 +28,8 @@ const DISPARITY_SHARE: f64 = 0.2;
 const VIEW_SURFACES: f64 = 0.25;
 /// Number of lights that are placed in a scene without lights.
 const DEFAULT_LIGHTS: usize = 3;
+/// Largest turn of a generated scene's camera for several pairs, in degrees.
+const TURN: f64 = 20.0;
 /// Width of the procedural sky in pixels.
 const SKY_WIDTH: u32 = 1024;
 
@@ -411,10 +413,27 @@ impl Stage {
         if let Some(share) = surfaces {
             poses = poses.surfaces(share as f32);
         }
-        if spec.scenes[index].camera.is_none() && !self.views.is_empty() {
-            poses = poses.among(&self.views).surfaces(surfaces.unwrap_or(VIEW_SURFACES) as f32);
+        let views = self.views_for(spec, draws);
+        if spec.scenes[index].camera.is_none() && !views.is_empty() {
+            poses = poses.among(&views).surfaces(surfaces.unwrap_or(VIEW_SURFACES) as f32);
         }
         poses.find(renderer, self.uploaded()?, draws.item).await
+    }
+
+    /// Returns the cameras that a generated scene proposes, in the order in which a pair tries them. Pairs of one scene
+    /// begin at different ones, and turn them if there are more pairs than cameras.
+    fn views_for(&self, spec: &Spec, draws: &Draws) -> Vec<[DVec3; 2]> {
+        let (count, pairs) = (self.views.len(), spec.scene_pairs as usize);
+        let number = (draws.item % spec.scene_pairs) as usize;
+        let mut views = self.views.clone();
+        if count > 0 {
+            views.rotate_left(number * count / pairs % count);
+        }
+        if number > 0 && pairs > count {
+            let angle = draws.draw(&Drawn::Uniform([-TURN, TURN]), "poses.turn").to_radians();
+            views.iter_mut().for_each(|[eye, target]| *target = *eye + turned(*target - *eye, DVec3::Y, angle));
+        }
+        views
     }
 
     /// Sets the pair's lights, ambient light and materials, whatever the previous pair set.
@@ -426,6 +445,7 @@ impl Stage {
         camera: &StereoCamera,
     ) -> Result<(), Error> {
         let entry = &spec.scenes[index];
+        let draws = &spec.scene_draws(draws);
         let lights = match (&spec.randomise.lights, &entry.lights) {
             (Some(random), _) => self.drawn_lights(random, draws, camera)?,
             (None, Some(Lights::Given(given))) => given.iter().map(light).collect(),

@@ -221,6 +221,33 @@ mod made {
         assert_eq!(alone.pair.left.rgba8, pairs[3].pair.left.rgba8);
     }
 
+    #[test]
+    fn several_pairs_show_one_scene_with_its_materials() {
+        let keys = r#""pairs": 9, "scene_pairs": 3,
+            "randomise": {"materials": {"tint": {"uniform": [0.5, 1]}}, "exposure": {"uniform": [-1, 1]}},"#;
+        let text = GENERATED.replace(r#""pairs": 6,"#, keys);
+        let (mut maker, mut renderer) = (of_spec(&text), renderer());
+        let mut shown = Vec::new();
+        for item in 0..9 {
+            let pair = made(&mut maker, &mut renderer, item).unwrap();
+            let scene = maker.scene(maker.scene_of(item)).unwrap();
+            shown.push((scene.sha256(), pair));
+        }
+        for three in shown.chunks(3) {
+            for two in three.windows(2) {
+                assert_eq!(two[0].0, two[1].0);
+                assert_ne!(two[0].1.record.eye, two[1].1.record.eye);
+            }
+        }
+        assert!(shown[0].0 != shown[3].0 && shown[3].0 != shown[6].0);
+        // A pair does not depend on the pairs before it.
+        let alone = made(&mut of_spec(&text), &mut renderer, 5).unwrap();
+        assert_eq!(alone.pair.left.rgba8, shown[5].1.pair.left.rgba8);
+        // Without the key, each pair has its own scene, and the first pair of three has the same one as before.
+        let single = made(&mut of_spec(&text.replace(r#""scene_pairs": 3,"#, "")), &mut renderer, 3).unwrap();
+        assert_eq!(single.pair.left.rgba8, shown[3].1.pair.left.rgba8);
+    }
+
     const MOVING: &str = r#"{
         "seed": 3, "pairs": 2, "size": [48, 32],
         "scenes": [{"builtin": "near"}],

@@ -16,6 +16,9 @@ use super::{
 };
 use crate::{Builtin, CameraPath, Channel, Equirectangular, Error, Layering, Options, PoleMerge, Span};
 
+/// Number of a pair's attempts at one scene, if other pairs share the scene.
+const ATTEMPTS_OF_SCENE: u32 = 5;
+
 /// The checked spec of a data set.
 ///
 /// ```
@@ -33,6 +36,8 @@ pub struct Spec {
     pub(super) seed: u32,
     pub(super) pairs: u32,
     pub(super) shard_pairs: u32,
+    /// Number of consecutive pairs of one scene.
+    pub(super) scene_pairs: u32,
     pub(super) format: Format,
     pub(super) size: Size,
     pub(super) scenes: Vec<SceneEntry>,
@@ -757,6 +762,17 @@ impl Spec {
     /// Returns the output arrays of the eyes, in the order of files. A layout has color, disparity and occlusion.
     pub fn arrays(&self) -> &[Array] {
         &self.arrays
+    }
+
+    /// Returns the draws of a pair's scene, which are those of the first of its [`Spec::scene_pairs`].
+    pub(super) fn scene_draws(&self, draws: &Draws) -> Draws {
+        match self.scene_pairs {
+            1 => *draws,
+            pairs => {
+                let Draws { seed, item, attempt } = *draws;
+                Draws { seed, item: item - item % pairs, attempt: attempt - attempt % ATTEMPTS_OF_SCENE }
+            }
+        }
     }
 
     /// Returns a pair's options of rendering.

@@ -54,6 +54,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
     let seed = fields.get("seed", whole(0, u32::MAX))?;
     let pairs = fields.get("pairs", whole(1, MOST_PAIRS))?;
     let shard_pairs = fields.get("shard_pairs", whole(1, 100_000))?;
+    let scene_pairs = fields.get("scene_pairs", whole(1, MOST_PAIRS))?;
     let format = fields.get("format", one_of(Format::all()))?.unwrap_or(Format::WebDataset);
     let size = fields.get("size", size)?;
     let scenes = fields.get("scenes", scenes)?;
@@ -92,6 +93,7 @@ pub(super) fn spec(text: &str, folder: PathBuf) -> Result<Spec, Error> {
         seed: seed.unwrap_or(0),
         pairs: fields.needed("pairs", pairs)?,
         shard_pairs: shard_pairs.unwrap_or(64),
+        scene_pairs: scene_pairs.unwrap_or(1),
         format,
         size: size.unwrap_or(Size::One(default_size)),
         scenes: fields.needed("scenes", scenes)?,
