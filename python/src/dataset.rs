@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use stereotrace::{
     Options,
     blocking::Wait,
-    dataset::{self, MadePair, NextPair, Spec},
+    dataset::{self, ArrayPair, MadePair, NextPair, Spec},
 };
 
 use crate::{
@@ -42,10 +42,10 @@ impl DataSetSpec {
     }
 
     /// View and output of each array, in the order of files: a list of tuples. Views are ``"left"``, ``"right"``,
-    /// ``"next.left"`` and ``"next.right"``.
+    /// ``"next.left"`` and ``"next.right"``; with an array of cameras ``"camera00"`` and ``"pair00-01.left"``.
     #[getter]
-    fn arrays(&self) -> Vec<(&'static str, &'static str)> {
-        self.0.arrays().iter().map(|array| (array.view(), array.output.name())).collect()
+    fn arrays(&self) -> Vec<(String, &'static str)> {
+        self.0.files().into_iter().map(|(view, output)| (view, output.name())).collect()
     }
 }
 
@@ -103,7 +103,7 @@ impl PairMaker {
         let (made, outputs) = renderer.work_alone(py, |renderer, progress| {
             Ok((self.0.pair(renderer, item, progress).wait()?, self.0.channels()))
         })?;
-        let MadePair { pair, truth, layers, matches, camera, record, next, .. } = made;
+        let MadePair { pair, truth, layers, matches, camera, record, next, array, .. } = made;
         let record = serde_json::to_string(&record).map_err(|error| refused(error.to_string()))?;
         let pair_of = |pair, truth, (layers, matches): Further, camera| {
             let request = Request { options: Options::default(), outputs: outputs.clone() };
@@ -116,6 +116,10 @@ impl PairMaker {
         if let Some(next) = next {
             let NextPair { pair, truth, layers, matches, camera, forward, backward, .. } = *next;
             found.motion = Some(Motion::of(py, pair_of(pair, truth, (layers, matches), camera)?, forward, backward)?);
+        }
+        for ArrayPair { cameras: [one, other], camera, pair, truth, layers, .. } in array {
+            let pair = pair_of(pair, truth, (layers, None), camera)?;
+            found.array.push(((one, other), Py::new(py, pair)?));
         }
         Ok((found, record))
     }

@@ -247,6 +247,8 @@ pub(crate) struct StereoPair {
     /// All surfaces along the lines of sight of a data set's item.
     pub(crate) layers: Option<Py<Layers>>,
     pub(crate) matches: Option<Py<Correspondence>>,
+    /// Pairs of an array of cameras, by the numbers of their cameras.
+    pub(crate) array: Vec<((usize, usize), Py<Self>)>,
 }
 
 impl StereoPair {
@@ -260,6 +262,7 @@ impl StereoPair {
             motion: None,
             layers: None,
             matches: None,
+            array: Vec::new(),
         })
     }
 }
@@ -285,6 +288,14 @@ impl StereoPair {
     #[getter]
     fn layers(&self, py: Python<'_>) -> Option<Py<Layers>> {
         self.layers.as_ref().map(|layers| layers.clone_ref(py))
+    }
+
+    /// All pairs of an item of a data set with an array of cameras: a dict of ``StereoPair`` by the numbers of two
+    /// cameras, from 0 at the top left. It is empty otherwise. Pairs of an upper and a lower camera are turned
+    /// counterclockwise, so that their rows are columns of the cameras' pictures.
+    #[getter]
+    fn array(&self, py: Python<'_>) -> HashMap<(usize, usize), Py<Self>> {
+        self.array.iter().map(|(cameras, pair)| (*cameras, pair.clone_ref(py))).collect()
     }
 
     /// Camera of the pair: a ``Camera``.

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use serde::Serialize;
 
 use super::{
-    Spec, checks,
+    Spec, array, checks,
     draws::Draws,
     figures::{percentiles, thin_count},
     generate::Assets,
@@ -76,6 +76,25 @@ pub struct MadePair {
     pub matches: Option<Correspondence>,
     /// The next pair, if the spec has motion.
     pub next: Option<Box<NextPair>>,
+    /// Pairs of the array, if the spec has one. The first one is also [`MadePair::pair`].
+    pub array: Vec<ArrayPair>,
+}
+
+/// A pair of an array of cameras.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ArrayPair {
+    /// Numbers of its left and its right camera, or of the upper and the lower one. These have pictures that are turned
+    /// counterclockwise ([`Views::pair_below`](crate::Views::pair_below)).
+    pub cameras: [usize; 2],
+    /// Its camera.
+    pub camera: StereoCamera,
+    /// The pair.
+    pub pair: StereoPair,
+    /// Its ground truth, if outputs of the spec need it.
+    pub truth: Option<GroundTruth>,
+    /// All surfaces along its lines of sight, if outputs of the spec need them.
+    pub layers: Option<Layers>,
 }
 
 /// The second pair of an item with motion.
@@ -331,6 +350,16 @@ impl PairMaker {
             return Err(error);
         }
         let options = options_of(spec, draws, &channels)?;
+        let needs_truth = channels.iter().any(|channel| channel.maker() == Maker::GroundTruth);
+        if let Some(array) = &spec.rig.array {
+            let of = (&*stage, spec);
+            let pairs =
+                array::pairs_of(renderer, of, array, (draws, &options), (camera, needs_truth), progress).await?;
+            let Some(first) = pairs.first().cloned() else { unreachable!("an array has pairs") };
+            let record = record(item, spec.scene_name(index), &first.pair, first.truth.as_ref());
+            let ArrayPair { camera, pair, truth, layers, .. } = first;
+            return Ok(MadePair { pair, truth, layers, matches: None, camera, record, next: None, array: pairs });
+        }
         let mut pair = renderer.pair(stage.uploaded()?, &camera).options(&options).progress(progress).read().await?;
         let mut next_blur = MotionBlur::new();
         if let Some(motion) = &spec.motion {
@@ -342,7 +371,6 @@ impl PairMaker {
         if let Some(sensor) = &spec.sensor {
             sensor.expose(&mut pair, &options, draws, "first");
         }
-        let needs_truth = channels.iter().any(|channel| channel.maker() == Maker::GroundTruth);
         let of = (&stage.scene, stage.uploaded()?);
         let Truths { truth, layers, matches } = truths_of(renderer, (spec, false, needs_truth), of, &pair).await?;
         let next = match &spec.motion {
@@ -366,7 +394,7 @@ impl PairMaker {
             }
         };
         let record = record(item, spec.scene_name(index), &pair, truth.as_ref());
-        Ok(MadePair { pair, truth, layers, matches, camera, record, next })
+        Ok(MadePair { pair, truth, layers, matches, camera, record, next, array: Vec::new() })
     }
 
     fn check_item(&self, item: u32) -> Result<(), Error> {
@@ -393,13 +421,13 @@ fn options_of(spec: &Spec, draws: &Draws, channels: &[Channel]) -> Result<Option
 }
 
 /// Ground truth of an item's first or next pair, as far as outputs of the spec need it.
-struct Truths {
-    truth: Option<GroundTruth>,
-    layers: Option<Layers>,
+pub(super) struct Truths {
+    pub(super) truth: Option<GroundTruth>,
+    pub(super) layers: Option<Layers>,
     matches: Option<Correspondence>,
 }
 
-async fn truths_of(
+pub(super) async fn truths_of(
     renderer: &Renderer,
     (spec, next, needs_truth): (&Spec, bool, bool),
     (scene, uploaded): (&Scene, &UploadedScene),

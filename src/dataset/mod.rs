@@ -4,6 +4,8 @@
 //! any order.
 
 #[cfg(feature = "dataset")]
+mod array;
+#[cfg(feature = "dataset")]
 mod checks;
 #[cfg(feature = "dataset")]
 mod draws;
@@ -28,7 +30,7 @@ mod stage;
 
 pub use layout::{Layout, LayoutMotion};
 #[cfg(feature = "dataset")]
-pub use maker::{MadePair, NextPair, PairMaker, Record};
+pub use maker::{ArrayPair, MadePair, NextPair, PairMaker, Record};
 pub use poses::{FreePoses, RandomPose};
 #[cfg(feature = "dataset")]
 pub use spec::{Array, Eye, LayerOutput, Output, Spec};

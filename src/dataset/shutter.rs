@@ -6,7 +6,7 @@ use super::{
     spec::{Motion, SensorEntry, Spec},
     stage::Stage,
 };
-use crate::{CameraPath, Error, MotionBlur, Options, Renderer, StereoCamera, StereoPair};
+use crate::{CameraPath, Error, MotionBlur, Options, Renderer, StereoCamera, StereoPair, View};
 
 /// Returns the blur of the pair at a time of the item's motion, or one that changes nothing if the spec has no shutter.
 /// The time is 0 at the first pair and 1 at the next pair.
@@ -39,11 +39,16 @@ impl Spec {
 impl SensorEntry {
     /// Adds the sensor's noise to a pair. `name` names its random numbers.
     pub(super) fn expose(&self, pair: &mut StereoPair, options: &Options, draws: &Draws, name: &str) {
+        for (view, eye) in [(&mut pair.left, "left"), (&mut pair.right, "right")] {
+            self.expose_view(view, options, draws, &format!("{name}.{eye}"));
+        }
+    }
+
+    /// Adds the sensor's noise to a view. `name` names its random numbers.
+    pub(super) fn expose_view(&self, view: &mut View, options: &Options, draws: &Draws, name: &str) {
         let draw = |value, key: &str| draws.draw(value, &format!("sensor.{key}"));
         let sensor =
             Sensor { full_well: draw(&self.full_well, "full_well"), read_noise: draw(&self.read_noise, "read_noise") };
-        for (view, eye) in [(&mut pair.left, "left"), (&mut pair.right, "right")] {
-            sensor.expose(view, options, draws.bits(&format!("sensor.{name}.{eye}")));
-        }
+        sensor.expose(view, options, draws.bits(&format!("sensor.{name}")));
     }
 }

@@ -407,6 +407,11 @@ impl Stage {
         let limit = limit.unwrap_or(usual) as f32;
         let of_format = spec.format.layout().map_or(f32::INFINITY, |layout| layout.disparity_limit());
         let mut poses = FreePoses::new(&self.scene, camera, draws.pose_seed())?.disparity(limit.min(of_format));
+        if let Some(array) = &spec.rig.array {
+            // All cameras are in free space then.
+            let interaxial = f64::from(camera.pose()?.interaxial);
+            poses = poses.clearance(((array.radius() + 1.0).max(2.0) * interaxial) as f32);
+        }
         if let Some(clearance) = clearance {
             poses = poses.clearance(draws.draw(clearance, "poses.clearance") as f32);
         }

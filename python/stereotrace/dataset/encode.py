@@ -36,7 +36,7 @@ def files(pair: StereoPair, spec: Spec, record: dict[str, Any]) -> dict[str, byt
     Colours and uint8 maps are PNG. All other arrays are NPY, or NPY with gzip. JSON has the camera and the record."""
     found = {}
     for view, output in spec.checked.arrays:
-        array = _array(pair, view, output)
+        array = _of_array(pair, spec, view, output) if pair.array else _array(pair, view, output)
         if output == "color":
             found[f"{view}.png"] = encode_png(array)
         elif array.dtype == np.uint8 and array.ndim == 2:
@@ -46,7 +46,10 @@ def files(pair: StereoPair, spec: Spec, record: dict[str, Any]) -> dict[str, byt
             found[f"{view}.{output}.npy.gz"] = gzip.compress(_npy(array), compresslevel=1, mtime=0)
         else:
             found[f"{view}.{output}.npy"] = _npy(array)
-    cameras = {"camera": json.loads(pair.camera.to_json())}
+    cameras: dict[str, Any] = {"camera": json.loads(pair.camera.to_json())}
+    if pair.array:
+        each = sorted(pair.array.items())
+        cameras["pairs"] = {f"{one:02}-{other:02}": json.loads(two.camera.to_json()) for (one, other), two in each}
     if pair.motion is not None:
         cameras["next_camera"] = json.loads(pair.motion[0].camera.to_json())
     found["json"] = json.dumps({**record, **cameras}, sort_keys=True).encode()
@@ -62,6 +65,26 @@ def _array(pair: StereoPair, view: str, output: str) -> Any:
     if output in FLOW:
         return getattr(getattr(backward if of_next else forward, eye), FLOW[output])
     return _of_eye(following if of_next else pair, eye, output)
+
+
+def _of_array(pair: StereoPair, spec: Spec, view: str, output: str) -> Any:
+    """Returns the array of a view: ``camera00``, or ``pair00-01.left``. Arrays of pairs of an upper and a lower camera
+    are turned to be as the cameras' pictures."""
+    columns = spec["rig"]["array"]["columns"]
+    columns = len(columns) if isinstance(columns, list) else columns
+    name, _, eye = view.partition(".")
+    if eye:
+        one, other = (int(number) for number in name.removeprefix("pair").split("-"))
+    else:
+        camera = int(name.removeprefix("camera"))
+        # A pair in a row is not turned.
+        pairs = [two for two in pair.array if camera in two]
+        one, other = min(pairs, key=lambda two: (two[0] // columns != two[1] // columns, two))
+        eye = "left" if camera == one else "right"
+    found = _of_eye(pair.array[one, other], eye, output)
+    is_turned = one // columns != other // columns
+    axis = 1 if output.startswith("layer_") and output != "layer_count" else 0
+    return np.ascontiguousarray(np.rot90(found, -1, (axis, axis + 1))) if is_turned else found
 
 
 def _of_eye(pair: StereoPair, eye: str, output: str) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from typing import Any
 
@@ -27,13 +28,14 @@ def sheet(url: str, count: int = 200, width: int = 160, storage_options: dict[st
     """Returns a picture of up to ``count`` pairs, spread evenly over the data set: uint8, ``(height, width, 3)``.
 
     A pair is a column of pictures, each ``width`` pixels wide: its left picture and those of its arrays that the data
-    set has. Disparities and numbers of layers have the colours of their own range. Classes of occlusion and of flow
-    are blue for visible points, red for hidden ones, yellow outside the picture, and grey otherwise. Flow has the hue
-    of its direction, paler where it is slower. Raises ``ValueError`` if the folder has no data
-    set with left pictures in tar or Parquet files, and ``OSError`` if it can't be read."""
+    set has. Of an array of cameras, it shows camera 0 and the first pair. Disparities and numbers of layers have the
+    colours of their own range. Classes of occlusion and of flow are blue for visible points, red for hidden ones,
+    yellow outside the picture, and grey otherwise. Flow has the hue of its direction, paler where it is slower. Raises
+    ``ValueError`` if the folder has no data set with left pictures in tar or Parquet files, and ``OSError`` if it can't
+    be read."""
     store = Store(url, storage_options)
     spec = spec_of(store)
-    if spec.is_layout or ("left", "color") not in spec.checked.arrays:
+    if spec.is_layout or not {("left", "color"), ("camera00", "color")}.intersection(spec.checked.arrays):
         raise ValueError(f"{url}: a sheet needs left pictures in tar or Parquet files")
     chosen = {index * spec["pairs"] // min(count, spec["pairs"]) for index in range(min(count, spec["pairs"]))}
     tiles = []
@@ -55,7 +57,8 @@ def sheet(url: str, count: int = 200, width: int = 160, storage_options: dict[st
 
 
 def _tile(files: dict[str, bytes], width: int) -> Any:
-    found = [_small(read("left.png", files["left.png"]), width)]
+    picture = "left.png" if "left.png" in files else "camera00.png"
+    found = [_small(read(picture, files[picture]), width)]
     for output, colored in (
         ("disparity", _colored),
         ("occlusion", _classes),
@@ -63,9 +66,9 @@ def _tile(files: dict[str, bytes], width: int) -> Any:
         ("flow_visibility", _classes),
         ("layer_count", _colored),
     ):
-        for name in (f"left.{output}{ending}" for ending in (".png", ".npy", ".npy.gz")):
-            if name in files:
-                found.append(_small(colored(read(name, files[name])), width))
+        name = re.compile(rf"(pair\d\d-\d\d\.)?left\.{output}\.(png|npy|npy\.gz)")
+        for file in sorted(filter(name.fullmatch, files))[:1]:
+            found.append(_small(colored(read(file, files[file])), width))
     return np.vstack(found)
 
 

@@ -1,5 +1,6 @@
 //! The spec of a data set: scenes, poses, rig, random values and outputs. docs/DATA-SETS.md lists its keys.
 
+mod array;
 mod fields;
 mod lens;
 mod read;
@@ -9,7 +10,7 @@ use std::path::{Path, PathBuf};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
-pub(super) use self::lens::LensEntry;
+pub(super) use self::{array::CameraArray, lens::LensEntry};
 use super::{
     Layout,
     draws::{Drawn, Draws},
@@ -654,6 +655,8 @@ pub(super) struct Rig {
     pub(super) cy: Option<Drawn<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) lens: Option<LensEntry>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) array: Option<CameraArray>,
     #[serde(flatten)]
     pub(super) around: Option<AroundEntry>,
 }
@@ -762,6 +765,16 @@ impl Spec {
     /// Returns the output arrays of the eyes, in the order of files. A layout has color, disparity and occlusion.
     pub fn arrays(&self) -> &[Array] {
         &self.arrays
+    }
+
+    /// Returns the names of the views and outputs of an item's arrays, in the order of files: views `left`, `right`,
+    /// `next.left` and `next.right`. With an array of cameras, views are `camera00` and so on, and `pair00-01.left` for
+    /// what depends on both cameras of a pair.
+    pub fn files(&self) -> Vec<(String, Output)> {
+        match &self.rig.array {
+            Some(cameras) => array::files_of(cameras, &self.arrays),
+            None => self.arrays.iter().map(|array| (array.view().to_owned(), array.output)).collect(),
+        }
     }
 
     /// Returns the draws of a pair's scene, which are those of the first of its [`Spec::scene_pairs`].

@@ -8,6 +8,7 @@ use super::{
     AroundEntry, Array, CameraEntry, CameraMotion, Checks, ChecksEntry, Distance, DrawnOption, Eye, Format, Generate,
     LayersEntry, LightEntry, Lights, MergeEntry, Motion, ObjectMotion, OriginEntry, Output, Poses, RandomLights,
     RandomMaterials, Randomise, Rig, SceneEntry, SceneKind, SensorEntry, Shutter, Size, SkyEntry, Source, Spec,
+    array::{array as camera_array, check_together as check_array},
     fields::{
         Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
         text, whole, within,
@@ -447,6 +448,7 @@ fn rig(value: &Value, at: &str) -> Result<Rig, Error> {
         cx: fields.get("cx", drawn(finite))?,
         cy: fields.get("cy", drawn(finite))?,
         lens: fields.get("lens", lens::lens)?,
+        array: fields.get("array", camera_array)?,
     };
     fields.end()?;
     lens::check_alone(&found, &fields)?;
@@ -780,6 +782,7 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
         return fault("outputs", "albedo needs light by paths; set render.lighting");
     }
     lens::check_together(spec)?;
+    check_array(spec)?;
     let layout = spec.format.layout();
     if let Some(layout) = layout.filter(|layout| layout.is_equirectangular() != spec.rig.around.is_some()) {
         let reason = match layout.is_equirectangular() {
