@@ -10,7 +10,7 @@ use super::{
     figures::{percentiles, thin_count},
     generate::Assets,
     poses::RandomPose,
-    shutter,
+    rolling, shutter,
     stage::{Stage, generator_sha256},
 };
 use crate::{
@@ -74,7 +74,7 @@ pub struct MadePair {
     pub layers: Option<Layers>,
     /// Places of its points in the other eye's picture, if outputs of the spec need them.
     pub matches: Option<Correspondence>,
-    /// The next pair, if the spec has motion.
+    /// The next pair, if the spec has motion without a rolling shutter.
     pub next: Option<Box<NextPair>>,
     /// Pairs of the array, if the spec has one. The first one is also [`MadePair::pair`].
     pub array: Vec<ArrayPair>,
@@ -209,7 +209,7 @@ impl PairMaker {
     /// [`PairMaker::also`].
     pub fn channels(&self) -> Vec<Channel> {
         let of_arrays = self.spec.arrays().iter().filter_map(|array| array.output.channel());
-        let needs_ids = self.spec.motion.is_some() || self.spec.needs_layers(false);
+        let needs_ids = self.spec.has_next() || self.spec.needs_layers(false);
         let all: Vec<_> = of_arrays
             .chain([Channel::Color, Channel::Disparity])
             .chain(needs_ids.then_some(Channel::Primitive))
@@ -360,13 +360,22 @@ impl PairMaker {
             let ArrayPair { camera, pair, truth, layers, .. } = first;
             return Ok(MadePair { pair, truth, layers, matches: None, camera, record, next: None, array: pairs });
         }
+        let rolled = rolling::pair(renderer, (stage, spec), (draws, &options), (camera, needs_truth), progress).await?;
+        if let Some((mut pair, truth)) = rolled {
+            if let Some(sensor) = &spec.sensor {
+                sensor.expose(&mut pair, &options, draws, "first");
+            }
+            let record = record(item, spec.scene_name(index), &pair, truth.as_ref());
+            let (layers, matches, next, array) = (None, None, None, Vec::new());
+            return Ok(MadePair { pair, truth, layers, matches, camera, record, next, array });
+        }
         let mut pair = renderer.pair(stage.uploaded()?, &camera).options(&options).progress(progress).read().await?;
         let mut next_blur = MotionBlur::new();
         if let Some(motion) = &spec.motion {
             let motion = (motion, spec.poses.path());
-            let first = shutter::blur(renderer, stage, motion, (draws, &options), camera, 0.0).await?;
+            let first = shutter::blur(renderer, stage, motion, (draws, &options), camera, (0.0, None)).await?;
             first.apply(&mut pair, &options)?;
-            next_blur = shutter::blur(renderer, stage, motion, (draws, &options), camera, 1.0).await?;
+            next_blur = shutter::blur(renderer, stage, motion, (draws, &options), camera, (1.0, None)).await?;
         }
         if let Some(sensor) = &spec.sensor {
             sensor.expose(&mut pair, &options, draws, "first");

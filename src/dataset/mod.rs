@@ -20,6 +20,8 @@ mod maker;
 mod motion;
 mod poses;
 #[cfg(feature = "dataset")]
+mod rolling;
+#[cfg(feature = "dataset")]
 mod sensor;
 #[cfg(feature = "dataset")]
 mod shutter;

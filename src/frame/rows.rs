@@ -153,13 +153,6 @@ impl ViewRows {
         }
         self.source.append(&mut rows.source);
         self.parts.append(&mut rows.parts);
-        let (view, mut below) = (&mut self.view, rows.view);
-        view.height += below.height;
-        view.rgba8.append(&mut below.rgba8);
-        view.linear.append(&mut below.linear);
-        view.depth.append(&mut below.depth);
-        view.primitive.append(&mut below.primitive);
-        view.object.append(&mut below.object);
-        view.cost.append(&mut below.cost);
+        self.view.append(rows.view);
     }
 }

@@ -78,6 +78,18 @@ impl View {
         }
     }
 
+    /// Appends the rows of another view below these.
+    pub(crate) fn append(&mut self, mut below: Self) {
+        self.height += below.height;
+        self.rgba8.append(&mut below.rgba8);
+        self.linear.append(&mut below.linear);
+        self.albedo.append(&mut below.albedo);
+        self.depth.append(&mut below.depth);
+        self.primitive.append(&mut below.primitive);
+        self.object.append(&mut below.object);
+        self.cost.append(&mut below.cost);
+    }
+
     /// Replaces the colours by linear light before exposure, row-major. The alpha is 1.
     pub(crate) fn show_linear(&mut self, colors: impl Iterator<Item = [f32; 3]>, options: &Options) {
         let exposure = options.exposure.exp2();

@@ -74,6 +74,18 @@ pub struct StereoPair {
 }
 
 impl StereoPair {
+    /// Appends the rows of another pair below these, and adds its work.
+    #[cfg(feature = "dataset")]
+    pub(crate) fn append(&mut self, mut below: Self) {
+        self.left.append(below.left);
+        self.right.append(below.right);
+        self.source.append(&mut below.source);
+        self.shadow_source.append(&mut below.shadow_source);
+        self.statistics.left += below.statistics.left;
+        self.statistics.right += below.statistics.right;
+        self.statistics.reused += below.statistics.reused;
+    }
+
     /// Returns the re-trace map as a picture, as in Adelson & Hodges 1993: green = reused, red = bad and traced again,
     /// grey = traced without reuse. Missed pixels are yellow; the paper shows them in red too. The result is sRGB,
     /// row-major.

@@ -50,7 +50,30 @@ pub struct EyeTruth {
     pub material: Vec<u32>,
 }
 
+#[cfg(feature = "dataset")]
+impl GroundTruth {
+    /// Appends the rows of other ground truth below these.
+    pub(crate) fn append(&mut self, below: Self) {
+        self.left.append(below.left);
+        self.right.append(below.right);
+    }
+}
+
 impl EyeTruth {
+    #[cfg(feature = "dataset")]
+    fn append(&mut self, mut below: Self) {
+        self.height += below.height;
+        self.depth.append(&mut below.depth);
+        self.distance.append(&mut below.distance);
+        self.disparity.append(&mut below.disparity);
+        self.occlusion.append(&mut below.occlusion);
+        self.geometric_normal.append(&mut below.geometric_normal);
+        self.shading_normal.append(&mut below.shading_normal);
+        self.primitive.append(&mut below.primitive);
+        self.object.append(&mut below.object);
+        self.material.append(&mut below.material);
+    }
+
     /// Returns, for each pixel, whether it shows no surface.
     pub fn sky(&self) -> Vec<bool> {
         self.primitive.iter().map(|&id| id == MISS).collect()

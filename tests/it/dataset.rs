@@ -103,9 +103,10 @@ mod made {
 
     use serde_json::json;
     use stereotrace::{
-        CameraPath, Error, Limits, Renderer, StereoCamera,
+        Builtin, CameraPath, Error, Limits, Method, Options, Renderer, StereoCamera,
         blocking::Wait,
         dataset::{MadePair, PairMaker, Spec},
+        glam::DQuat,
     };
 
     use super::{common::folder::Folder, renderer};
@@ -261,6 +262,67 @@ mod made {
         let mut spec = serde_json::from_str(MOVING).unwrap();
         change(&mut spec);
         made(&mut of_spec(&spec.to_string()), renderer, 0).unwrap()
+    }
+
+    #[test]
+    fn rows_of_a_rolling_shutter_show_their_own_times() {
+        let mut renderer = renderer();
+        let rolled = changed(&mut renderer, |spec| {
+            spec["outputs"] = json!(["color", "disparity", "occlusion", "object"]);
+            spec["motion"]["rolling"] = json!({"readout": 0.8, "bands": 4});
+            spec["motion"]["objects"] = json!({"distance": 0});
+        });
+        assert!(rolled.next.is_none());
+        let truth = rolled.truth.as_ref().unwrap();
+        let scene = Builtin::Near.scene();
+        let uploaded = renderer.upload(&scene).wait().unwrap();
+        let lens = rolled.pair.pose.intrinsics().unwrap();
+        for band in 0..4 {
+            // The whole camera at the time of the band's middle row.
+            let time = 0.8 * ((f64::from(band) + 0.5) / 4.0 - 0.5);
+            let pose = rolled.pair.pose;
+            let step = pose.right.as_dvec3() * (0.1 * time);
+            let turn = DQuat::from_axis_angle(pose.up.as_dvec3(), -(3.0 * time).to_radians());
+            let ahead = rolled.camera.target_position() - rolled.camera.eye_position();
+            let eye = rolled.camera.eye_position() + step;
+            let camera = rolled.camera.eye(eye).target(eye + turn * ahead);
+            let whole = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
+            let of_whole = renderer.ground_truth(&uploaded, &scene, &whole).wait().unwrap();
+            let rows = band as usize * 8 * 48..(band as usize + 1) * 8 * 48;
+            for (found, whole) in [(&truth.left, &of_whole.left), (&truth.right, &of_whole.right)] {
+                let pixels = || rows.clone().filter(|&pixel| found.object[pixel] == whole.object[pixel]);
+                assert!(pixels().count() >= rows.len() - 4, "band {band}: {}", pixels().count());
+                let same = pixels().filter(|&pixel| {
+                    let [one, other] = [found, whole].map(|truth| (truth.disparity[pixel], truth.occlusion[pixel]));
+                    (one.0 - other.0).abs() < 2e-3 && one.1 == other.1
+                });
+                assert!(same.count() >= rows.len() - 8, "band {band}");
+                let formula = pixels().filter(|&pixel| found.depth[pixel].is_finite()).all(|pixel| {
+                    let expected = lens.fx * f64::from(pose.interaxial) / f64::from(found.depth[pixel]);
+                    (f64::from(found.disparity[pixel]) - expected).abs() < 1e-3
+                });
+                assert!(formula, "band {band}");
+            }
+        }
+        let plain = changed(&mut renderer, |_| {});
+        assert_ne!(rolled.pair.left.primitive, plain.pair.left.primitive);
+        let still = changed(&mut renderer, |spec| {
+            spec["outputs"] = json!(["color", "primitive"]);
+            spec["motion"] = json!({"rolling": {"readout": 0.8, "bands": 3}});
+        });
+        let equal = still.pair.left.primitive.iter().zip(&plain.pair.left.primitive).filter(|(a, b)| a == b).count();
+        assert!(equal >= 48 * 32 - 4, "{equal}");
+        let both = changed(&mut renderer, |spec| {
+            spec["outputs"] = json!(["color", "primitive"]);
+            spec["motion"]["rolling"] = json!({"readout": 0.8, "bands": 4});
+            spec["motion"]["shutter"] = json!({"open": 0.5, "times": 2});
+        });
+        assert_eq!(both.pair.left.primitive.len(), 48 * 32);
+        let message = |text: &str| Spec::from_json(text, ".").unwrap_err().to_string();
+        let flow = MOVING.replace(r#""objects""#, r#""rolling": {"readout": 1}, "objects""#);
+        assert!(message(&flow).contains("left.flow needs a next pair: leave out motion.rolling"), "{}", message(&flow));
+        let layers = flow.replace(r#""flow", "next.color""#, r#""layer_count""#);
+        assert!(message(&layers).contains("layer_count is for one time: leave out motion.rolling"));
     }
 
     #[test]

@@ -313,6 +313,17 @@ pub(super) struct Motion {
     pub(super) objects: Option<ObjectMotion>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) shutter: Option<Shutter>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) rolling: Option<RollingShutter>,
+}
+
+/// Rows that are exposed one band after the other.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct RollingShutter {
+    /// Share of the time to the next pair, from the top row's exposure to the bottom row's.
+    pub(super) readout: Drawn<f64>,
+    /// Number of bands of rows.
+    pub(super) bands: u32,
 }
 
 /// Motion blur of both pairs.
@@ -786,6 +797,17 @@ impl Spec {
                 Draws { seed, item: item - item % pairs, attempt: attempt - attempt % ATTEMPTS_OF_SCENE }
             }
         }
+    }
+
+    /// Returns the motion and the rolling shutter.
+    pub(super) fn rolling(&self) -> Option<(&Motion, &RollingShutter)> {
+        let motion = self.motion.as_ref()?;
+        motion.rolling.as_ref().map(|rolling| (motion, rolling))
+    }
+
+    /// Returns whether items have a next pair.
+    pub(super) fn has_next(&self) -> bool {
+        self.motion.is_some() && self.rolling().is_none()
     }
 
     /// Returns a pair's options of rendering.

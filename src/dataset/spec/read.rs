@@ -7,7 +7,8 @@ use serde_json::{Map, Value};
 use super::{
     AroundEntry, Array, CameraEntry, CameraMotion, Checks, ChecksEntry, Distance, DrawnOption, Eye, Format, Generate,
     LayersEntry, LightEntry, Lights, MergeEntry, Motion, ObjectMotion, OriginEntry, Output, Poses, RandomLights,
-    RandomMaterials, Randomise, Rig, SceneEntry, SceneKind, SensorEntry, Shutter, Size, SkyEntry, Source, Spec,
+    RandomMaterials, Randomise, Rig, RollingShutter, SceneEntry, SceneKind, SensorEntry, Shutter, Size, SkyEntry,
+    Source, Spec,
     array::{array as camera_array, check_together as check_array},
     fields::{
         Fields, Unique, above_zero, array, color, fault, finite, flag, from_zero, list, number, one_of, point, shown,
@@ -42,6 +43,9 @@ const NO_SOURCE: &str = "give a file, the name of a built-in scene, or the kind 
 const STEP: f64 = 1.0 / 24.0;
 /// Default share of this time for which the shutter is open: half of it, as in films.
 const OPEN: f64 = 0.5;
+/// Default and maximum number of bands of a rolling shutter.
+const BANDS: u32 = 24;
+const MOST_BANDS: u32 = 4096;
 /// Maximum number of electrons of a sensor. Sensors of cameras have 1,000 to 100,000.
 const MOST_ELECTRONS: f64 = 1e7;
 
@@ -626,6 +630,7 @@ fn motion(value: &Value, at: &str) -> Result<Motion, Error> {
         camera: fields.get("camera", camera_motion)?.unwrap_or_default(),
         objects: fields.get("objects", object_motion)?,
         shutter: fields.get("shutter", shutter)?,
+        rolling: fields.get("rolling", rolling)?,
     };
     fields.end()?;
     Ok(found)
@@ -637,6 +642,15 @@ fn shutter(value: &Value, at: &str) -> Result<Shutter, Error> {
     let times = fields.get("times", whole(2, MotionBlur::MOST_TIMES))?;
     fields.end()?;
     Ok(Shutter { open: open.unwrap_or(Drawn::Value(OPEN)), times: times.unwrap_or(MotionBlur::TIMES) })
+}
+
+fn rolling(value: &Value, at: &str) -> Result<RollingShutter, Error> {
+    let fields = Fields::of(value, at)?;
+    let readout = fields.get("readout", drawn(within(0.0, 1.0)))?;
+    let bands = fields.get("bands", whole(2, MOST_BANDS))?;
+    fields.end()?;
+    let readout = fields.needed("readout", readout)?;
+    Ok(RollingShutter { readout, bands: bands.unwrap_or(BANDS) })
 }
 
 fn sensor(value: &Value, at: &str) -> Result<SensorEntry, Error> {
@@ -749,18 +763,33 @@ fn arrays(names: impl Into<Vec<String>>) -> Outputs {
     (names, found)
 }
 
+/// Refuses a rolling shutter with values that need all rows at one time.
+fn check_rolling(spec: &Spec) -> Result<(), Error> {
+    if spec.rolling().is_none() {
+        return Ok(());
+    }
+    if spec.rig.around.is_some() {
+        return fault("motion.rolling", "it is for planar pictures; leave out rig.projection");
+    }
+    match spec.arrays.iter().find(|array| array.output.is_layer() || array.output.is_match()) {
+        Some(array) => fault("outputs", format!("{} is for one time: leave out motion.rolling", array.output.name())),
+        None => Ok(()),
+    }
+}
+
 /// Refuses valid values that contradict each other.
 fn check_together(spec: &Spec) -> Result<(), Error> {
     let method = spec.options.method;
     let is_bracket = matches!(method, Method::Auto | Method::Bracket(_));
     let channels = || spec.arrays.iter().filter_map(|array| array.output.channel());
     let needs_motion = |array: &&Array| array.next || array.output.is_motion();
-    match (&spec.motion, spec.arrays.iter().find(needs_motion)) {
-        (None, Some(array)) => {
+    match (spec.has_next(), spec.arrays.iter().find(needs_motion)) {
+        (false, Some(array)) => {
             let name = format!("{}.{}", array.view(), array.output.name());
-            return fault("outputs", format!("{name} needs a next pair: set motion"));
+            let advice = if spec.motion.is_some() { "leave out motion.rolling" } else { "set motion" };
+            return fault("outputs", format!("{name} needs a next pair: {advice}"));
         }
-        (Some(_), _) if spec.format.layout().is_some_and(|layout| !layout.holds_motion()) => {
+        (true, _) if spec.format.layout().is_some_and(|layout| !layout.holds_motion()) => {
             let reason = format!("the layout {} holds no motion: use another format", spec.format.name());
             return fault("motion", reason);
         }
@@ -781,6 +810,7 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
     if channels().any(|channel| channel == Channel::Albedo) && spec.options.lighting == Lighting::Direct {
         return fault("outputs", "albedo needs light by paths; set render.lighting");
     }
+    check_rolling(spec)?;
     lens::check_together(spec)?;
     check_array(spec)?;
     let layout = spec.format.layout();
@@ -827,7 +857,7 @@ fn check_together(spec: &Spec) -> Result<(), Error> {
         let reason = "it is the parallax at infinity, which is 0 for parallel cameras; give interaxial";
         return fault("rig.interaxial_px", reason);
     }
-    let most = if spec.motion.is_some() { SCENE_FLOW_PAIRS / 2 } else { SCENE_FLOW_PAIRS };
+    let most = if spec.has_next() { SCENE_FLOW_PAIRS / 2 } else { SCENE_FLOW_PAIRS };
     if layout == Some(crate::dataset::Layout::SceneFlow) && spec.pairs > most {
         return fault("pairs", format!("sceneflow numbers its files with four digits: at most {most}"));
     }
