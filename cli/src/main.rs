@@ -58,8 +58,9 @@ fn main() -> ExitCode {
             return ExitCode::from(USAGE);
         }
     };
-    match run(&cli).and_then(|summary| summary.print(&cli.global)) {
-        Ok(()) => ExitCode::SUCCESS,
+    match run(&cli).and_then(|summary| summary.print(&cli.global).map(|()| summary.has_failed)) {
+        Ok(false) => ExitCode::SUCCESS,
+        Ok(true) => ExitCode::FAILURE,
         Err(error) => {
             complain(&error.to_string());
             if error.is::<Interrupted>() { ExitCode::from(INTERRUPTED) } else { ExitCode::FAILURE }

@@ -101,11 +101,9 @@ impl Manifest {
             }
             self.lines += 1;
             let line = line.map_err(|error| format!("{}:{}: {error}", shown(&self.path), self.lines))?;
-            let files = line["files"].as_array().map(Vec::as_slice).unwrap_or_default();
-            let is_there = |file: &Value| file.as_str().is_some_and(|name| self.folder.join(name).is_file());
-            if let Some(item) = line["item"].as_u64()
+            if let (Some(item), Some(files)) = (line["item"].as_u64(), line["files"].as_object())
                 && !files.is_empty()
-                && files.iter().all(is_there)
+                && files.keys().all(|name| self.folder.join(name).is_file())
             {
                 self.done.insert(item as u32);
             }

@@ -1,6 +1,12 @@
 //! Records the settings and inputs of output files, so that a folder does not mix files of different settings.
 
-use std::{error::Error, fmt::Debug, fs};
+use std::{
+    error::Error,
+    fmt::Debug,
+    fs,
+    io::{self, Read as _},
+    path::Path,
+};
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -29,6 +35,18 @@ pub(crate) fn of_animation(animation: &Animation) -> String {
     let mut hash = Sha256::new();
     animation.content(|bytes| hash.update(bytes));
     hex(hash.finalize())
+}
+
+/// Returns the SHA-256 of a file's content.
+pub(crate) fn sha256_of(path: &Path) -> io::Result<String> {
+    let (mut hash, mut file) = (Sha256::new(), fs::File::open(path)?);
+    let mut block = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut block)? {
+            0 => return Ok(hex(hash.finalize())),
+            count => hash.update(&block[..count]),
+        }
+    }
 }
 
 fn hex(digest: impl IntoIterator<Item = u8>) -> String {

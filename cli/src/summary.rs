@@ -18,9 +18,12 @@ pub(crate) struct Summary {
     pub(crate) json: Value,
     /// Whether to print to standard error, because standard output carries pictures.
     pub(crate) to_stderr: bool,
+    /// Whether the command found faults, so that its exit status is 1.
+    pub(crate) has_failed: bool,
 }
 
 impl Summary {
+    /// Prints the result.
     pub(crate) fn print(&self, global: &Global) -> Result<(), Box<dyn Error>> {
         let text = match (global.json, &self.json) {
             (true, json) if !json.is_null() => format!("{json}\n"),

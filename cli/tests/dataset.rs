@@ -64,6 +64,38 @@ fn a_data_set_goes_on_where_it_stopped_and_each_pair_can_be_made_alone() {
     assert!(error_of(&[&SMALL[..], &["--pairs", "3", "--items", "1..4", "--out", &parts]].concat()).contains("has 3"));
 }
 
+#[test]
+fn verify_names_what_is_missing_or_changed() {
+    let folder = Folder::new("verify");
+    let out = folder.file("set").to_str().unwrap().to_owned();
+    printed(&[&SMALL[..], &["--pairs", "3", "--out", &out]].concat());
+    let verify = || {
+        let done = run(&["dataset", "verify", &out]);
+        (done.status.code(), String::from_utf8(done.stdout).unwrap())
+    };
+    assert_eq!(verify(), (Some(0), format!("{out}: no fault in 30 files\n")));
+
+    let changed = folder.file("set/000001/disp0.pfm");
+    let mut bytes = fs::read(&changed).unwrap();
+    *bytes.last_mut().unwrap() ^= 1;
+    fs::write(&changed, bytes).unwrap();
+    fs::remove_file(folder.file("set/000000/im1.png")).unwrap();
+    let manifest = folder.file("set/manifest.jsonl");
+    let lines: Vec<String> = fs::read_to_string(&manifest).unwrap().lines().map(String::from).collect();
+    let outside = lines[2].replace("000001/im0.png", "../im0.png");
+    fs::write(&manifest, [&lines[0], &lines[1], &outside].map(|line| format!("{line}\n")).concat()).unwrap();
+    let faults = [
+        "000000/im1.png: no such file",
+        "../im0.png: it is not within the data set's folder",
+        "000001/disp0.pfm: its SHA-256 is not that of its record",
+        "item 2: it has not been made",
+    ];
+    let (status, text) = verify();
+    assert_eq!(status, Some(1));
+    assert_eq!(text, format!("{}\n{out}: 4 faults in 20 files\n", faults.join("\n")));
+    assert!(error_of(&["dataset", "verify", folder.file(".").to_str().unwrap()]).contains("this is no data set"));
+}
+
 /// Returns the values of a PFM file with one channel and this width, top row first.
 fn pfm(path: &Path, width: usize) -> Vec<f32> {
     let bytes = fs::read(path).unwrap();

@@ -126,9 +126,9 @@ fn a_data_set_ends_after_the_pair_at_hand_and_goes_on_later() {
     let mut expected = 1;
     for line in text.lines().skip(1) {
         let line: Value = serde_json::from_str(line).unwrap();
-        let of_pair = line["files"].as_array().unwrap();
+        let of_pair = line["files"].as_object().unwrap();
         expected += of_pair.len();
-        assert!(of_pair.iter().all(|name| out.join(name.as_str().unwrap()).is_file()), "{line}");
+        assert!(of_pair.keys().all(|name| out.join(name).is_file()), "{line}");
     }
     let found = files(&out);
     assert_eq!(found.len(), expected, "{found:?}");

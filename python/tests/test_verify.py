@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import os
 import shutil
+import subprocess
 import tarfile
 from pathlib import Path
 from typing import Callable
@@ -183,3 +185,23 @@ def test_pictures_are_decoded_as_they_were_encoded():
         assert np.array_equal(stereotrace.decode_png(stereotrace.encode_png(picture)), picture)
     with pytest.raises(ValueError):
         stereotrace.decode_png(stereotrace.encode_png(np.ones((5, 7), np.uint8))[:40])
+
+
+@pytest.mark.skipif("STEREOTRACE_COMMAND" not in os.environ, reason="scripts/check_python.sh builds the command")
+@pytest.mark.parametrize("format", ["webdataset", "sintel", "middlebury"])
+def test_the_command_reads_data_sets_back(tmp_path, format):
+    is_layout = format in stereotrace.LAYOUTS
+    outputs = None if is_layout else ["color", "disparity"]
+    folder = made(tmp_path, format=format, name="small", outputs=outputs)
+
+    def verified():
+        command = [os.environ["STEREOTRACE_COMMAND"], "dataset", "verify", str(folder)]
+        return subprocess.run(command, capture_output=True, text=True)
+
+    assert verified().returncode == 0 and ": no fault in" in verified().stdout
+    file = sorted(file for file in folder.rglob("*") if file.suffix in (".tar", ".png"))[-1]
+    file.write_bytes(file.read_bytes()[:-1])
+    (folder / "small-000000.json").unlink()
+    faults = verified()
+    assert faults.returncode == 1 and "small-000000: it has not been made" in faults.stdout
+    assert f"{file.relative_to(folder)}: its SHA-256 is not that of its record" in faults.stdout

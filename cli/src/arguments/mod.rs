@@ -97,7 +97,9 @@ pub(crate) enum Command {
     Views(Box<views::Arguments>),
     /// Open a window with a live pair, and navigate by mouse and keys
     View(Box<view::Arguments>),
-    /// Render pairs with ground truth for stereo vision: disparity, occlusion, calibration, in known layouts
+    /// Render pairs with ground truth for stereo vision, in known layouts
+    ///
+    /// Each pair has disparity, occlusion and calibration.
     Dataset(Box<dataset::Arguments>),
     /// Measure the cost and the errors of each method on a scene, against tracing both eyes
     Compare(Box<compare::Arguments>),

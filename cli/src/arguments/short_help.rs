@@ -60,6 +60,7 @@ const EXAMPLES: [(&str, &[&str]); 7] = [
         &[
             "stereotrace dataset room.obj --pairs 200 --layout kitti --size 1242x375 --out data",
             "stereotrace dataset room.obj --orbit 72 --layout middlebury --out turn",
+            "stereotrace dataset verify data    what is missing or changed",
         ],
     ),
     (

@@ -136,5 +136,5 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         "rounds": arguments.rounds,
         "methods": Vec::from_iter(listed),
     });
-    Ok(Summary { text, json, to_stderr: false })
+    Ok(Summary { text, json, ..Summary::default() })
 }

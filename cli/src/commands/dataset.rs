@@ -8,7 +8,7 @@ use std::{
     time::Instant,
 };
 
-use clap::Args;
+use clap::{Args, Subcommand};
 use serde_json::{Map, Value, json};
 use stereotrace::{
     Channel, Projection, Renderer, Setting,
@@ -18,7 +18,10 @@ use stereotrace::{
     output::{Batch, ExrColor},
 };
 
-use super::motion::{Motion, MotionArguments};
+use super::{
+    motion::{Motion, MotionArguments},
+    verify,
+};
 use crate::{
     arguments::{Global, Purpose, Stage, Subject, above_zero, frames},
     manifest::{MANIFEST, Manifest},
@@ -33,11 +36,15 @@ use crate::{
 const PAIRS: u32 = 20;
 
 #[derive(Clone, Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, disable_help_subcommand = true)]
 pub(crate) struct Arguments {
-    /// Layout of the files: middlebury (2014), kitti (2015), sceneflow, sintel, or panorama for --projection 360
-    /// or 180.
+    #[command(subcommand)]
+    action: Option<Action>,
+    /// Layout of the files: middlebury (2014), kitti (2015), sceneflow, sintel, or panorama for --projection 360 or 180
+    /// [default: middlebury or panorama]
+    ///
     /// Cameras are parallel unless --screen, --cameras or --calib is given. Only middlebury accepts a finite screen,
-    /// with all disparities 0 or more [default: the one of these that suits the projection: middlebury or panorama]
+    /// with all disparities 0 or more. By default it is panorama for --projection 360 and 180, else middlebury.
     #[arg(long)]
     layout: Option<Layout>,
     /// Number of pairs, from random cameras in the scene's free space. --seed selects the cameras [default: 20]
@@ -71,7 +78,19 @@ pub(crate) struct Arguments {
     motion: MotionArguments,
 }
 
+#[derive(Clone, Debug, Subcommand)]
+enum Action {
+    /// Read a data set back, and print what is missing or changed
+    ///
+    /// It may be a data set of this command or of the Python package. The exit status is 1 if anything is missing or
+    /// changed.
+    Verify(verify::Arguments),
+}
+
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
+    if let Some(Action::Verify(arguments)) = &arguments.action {
+        return verify::run(arguments);
+    }
     let Target::Folder(folder) = Target::of(&arguments.out)? else {
         return Err(format!("{}: a data set needs a folder", shown(&arguments.out)).into());
     };
@@ -98,7 +117,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let settings = (layout, count, &motion, arguments.max_disparity, arguments.clearance, arguments.exr);
     let stop = Stop::on_signals()?;
     let spec = spec(arguments, &stage, (layout, count), motion.is_some())?;
-    let mut manifest = Manifest::open(&folder, &record::of(&arguments.subject, &stage.scene, &settings)?)?;
+    let mut record = record::of(&arguments.subject, &stage.scene, &settings)?;
+    record["pairs"] = count.into();
+    let mut manifest = Manifest::open(&folder, &record)?;
     let pending = Vec::from_iter(range.clone().filter(|item| !manifest.done.contains(item)));
 
     let Stage { scene, uploaded, camera, mut renderer, .. } = stage;
@@ -155,7 +176,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         "seconds": seconds,
         "manifest": folder.join(MANIFEST).to_string_lossy(),
     });
-    Ok(Summary { text, json, to_stderr: false })
+    Ok(Summary { text, json, ..Summary::default() })
 }
 
 /// Returns the spec of the arguments. Its only scene is the stage's scene.
@@ -232,8 +253,11 @@ fn make(
         batch.add_exr(more("exr")?, &made.pair, Some(truth), ExrColor::Half)?;
     }
     let files = batch.commit()?;
-    let files = files.iter().map(|file| file.strip_prefix(folder).unwrap_or(file).to_string_lossy());
+    let hashes = files.iter().map(|file| {
+        let hash = record::sha256_of(file).map_err(|error| format!("{}: {error}", shown(file)))?;
+        Ok((file.strip_prefix(folder).unwrap_or(file).to_string_lossy().into_owned(), hash.into()))
+    });
     let mut line = serde_json::to_value(&made.record)?;
-    line["files"] = Vec::from_iter(files).into();
+    line["files"] = Value::Object(hashes.collect::<Result<Map<_, _>, String>>()?);
     Ok(line)
 }

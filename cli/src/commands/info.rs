@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let json = json!({
         "version": env!("CARGO_PKG_VERSION"), "machine": machine, "builtin": builtins, "scene": scene
     });
-    Ok(Summary { text, json, to_stderr: false })
+    Ok(Summary { text, json, ..Summary::default() })
 }
 
 /// Lists the adapters, and the limits of the one that renders.

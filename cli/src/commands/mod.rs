@@ -7,4 +7,5 @@ mod motion;
 pub(crate) mod render;
 mod report;
 pub(crate) mod sequence;
+pub(crate) mod verify;
 pub(crate) mod views;

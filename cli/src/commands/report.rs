@@ -82,7 +82,7 @@ impl Display for Report<'_> {
 
 impl Report<'_> {
     pub(crate) fn summary(&self) -> Summary {
-        Summary { text: self.to_string(), json: self.json(), to_stderr: false }
+        Summary { text: self.to_string(), json: self.json(), ..Summary::default() }
     }
 
     /// Returns the report as JSON: lengths in world units, times in milliseconds.

@@ -174,7 +174,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         "seconds": seconds,
         "size": size,
     });
-    Ok(Summary { text, json, to_stderr: names == Names::Stdout })
+    Ok(Summary { text, json, to_stderr: names == Names::Stdout, ..Summary::default() })
 }
 
 /// Renders a picture. The first one of a block depends on no other.

@@ -115,7 +115,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         "to_naive": difference,
         "files": Vec::from_iter(files.iter().map(|file| file.to_string_lossy())),
     });
-    Ok(Summary { text, json, to_stderr: false })
+    Ok(Summary { text, json, ..Summary::default() })
 }
 
 /// Returns the number of views.

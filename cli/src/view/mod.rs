@@ -119,5 +119,5 @@ fn summary(tally: Tally, automatic: bool) -> Result<Summary, Box<dyn Error>> {
     let json = json!({
         "version": env!("CARGO_PKG_VERSION"), "whole": whole, "drafts": drafts, "longest_ms": ms, "files": files,
     });
-    Ok(Summary { text, json, to_stderr: false })
+    Ok(Summary { text, json, ..Summary::default() })
 }
