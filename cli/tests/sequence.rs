@@ -144,6 +144,19 @@ fn views_become_pictures_or_a_quilt_that_they_fill() {
     let said = |more: &[&'static str]| printed(&[&command(more)[..], &["--out", &out]].concat());
     assert!(said(&["--views", "6"]).starts_with("6 views of which 1 traced, in 6 files of "));
     assert!(said(&["--quilt", "3x2", "--compare"]).contains("wrong surface at most 0.000%"));
+    let grid = folder.file("grid");
+    let place = ["--out", grid.to_str().unwrap()];
+    let rows = ["--views", "2", "--rows", "2", "--ground-truth", "--screen", "inf", "--interaxial", "0.1"];
+    let text = printed(&[&command(&rows)[..], &place].concat());
+    assert!(text.starts_with("4 views of which 2 traced, in "), "{text}");
+    let size = |name: &str| image::image_dimensions(grid.join(name)).unwrap();
+    assert_eq!((size("view_0003.png"), size("pair_0002_0003/im0.png")), ((16, 12), (16, 12)));
+    // An upper and a lower view are turned by 90 degrees.
+    assert_eq!((size("pair_0000_0002/im1.png"), size("pair_0001_0003/occlusion0.png")), ((12, 16), (12, 16)));
+    let pairs = fs::read_dir(&grid).unwrap().filter(|entry| entry.as_ref().unwrap().path().is_dir());
+    assert_eq!(pairs.count(), 4);
+    let turned = image::open(grid.join("view_0002.png")).unwrap().rotate270().into_rgba8();
+    assert_eq!(turned, image::open(grid.join("pair_0000_0002/im1.png")).unwrap().into_rgba8());
     let fault = error_of(&command(&["--views", "6", "--quilt", "4x2"]));
     assert_eq!(fault, "a quilt of 4x2 is not filled by 6 views");
     let names = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
