@@ -173,9 +173,9 @@ def test_a_sheet_shows_flow_classes_and_layers_of_pairs_of_several_sizes(tmp_pat
     colors = sheet.CLASSES.astype(np.uint8)
     assert all((picture == color).all(axis=-1).any() for color in colors[:3])
     # A camera that moves to the right moves all points to the left, which is cyan.
-    flow = sheet._hues(np.dstack([np.full((4, 4), -2.0), np.zeros((4, 4))]))
+    flow = sheet.colors_of_flow(np.dstack([np.full((4, 4), -2.0), np.zeros((4, 4))]))
     assert flow[0, 0].tolist() == [0, 191, 191]
-    assert sheet._hues(np.full((2, 2, 2), np.nan)).max() == 0
+    assert sheet.colors_of_flow(np.full((2, 2, 2), np.nan)).max() == 0
 
 
 def test_pictures_are_decoded_as_they_were_encoded():

@@ -60,11 +60,11 @@ def _tile(files: dict[str, bytes], width: int) -> Any:
     picture = "left.png" if "left.png" in files else "camera00.png"
     found = [_small(read(picture, files[picture]), width)]
     for output, colored in (
-        ("disparity", _colored),
-        ("occlusion", _classes),
-        ("flow", _hues),
-        ("flow_visibility", _classes),
-        ("layer_count", _colored),
+        ("disparity", colors_of_values),
+        ("occlusion", colors_of_classes),
+        ("flow", colors_of_flow),
+        ("flow_visibility", colors_of_classes),
+        ("layer_count", colors_of_values),
     ):
         name = re.compile(rf"(pair\d\d-\d\d\.)?left\.{output}\.(png|npy|npy\.gz)")
         for file in sorted(filter(name.fullmatch, files))[:1]:
@@ -85,27 +85,31 @@ def _small(picture: Any, width: int) -> Any:
     return means.round().astype(np.uint8)
 
 
-def _classes(values: Any) -> Any:
+def colors_of_classes(values: Any) -> Any:
     """Returns the colours of classes."""
     return CLASSES[np.minimum(values if values.ndim == 2 else values[..., 0], len(CLASSES) - 1)].astype(np.uint8)
 
 
-def _hues(flow: Any) -> Any:
-    """Returns the colours of flow: the hue of its direction, and white for none."""
+def colors_of_flow(flow: Any, longest: float | None = None) -> Any:
+    """Returns the colours of flow: the hue of its direction, white for none, and full colours from ``longest`` pixels.
+
+    By default that is the length that 98 percent of the flow do not exceed."""
     known = np.isfinite(flow).all(axis=-1)
     x, y = np.where(known[..., None], flow, 0).transpose(2, 0, 1)
     speed = np.hypot(x, y)
-    share = speed / max(float(np.percentile(speed[known], 98)) if known.any() else 0.0, 1e-9)
+    if longest is None:
+        longest = float(np.percentile(speed[known], 98)) if known.any() else 0.0
+    share = speed / max(longest, 1e-9)
     hue = np.arctan2(y, x)[..., None] + np.array([0, 2, -2]) * np.pi / 3
     color = 1 - np.minimum(share, 1)[..., None] * (0.5 - 0.5 * np.cos(hue))
     return np.where(known[..., None], 255 * color, 0).astype(np.uint8)
 
 
-def _colored(values: Any) -> Any:
-    """Returns the colours of values, from the least to the largest one."""
+def colors_of_values(values: Any, limits: tuple[float, float] | None = None) -> Any:
+    """Returns the colours of values, between limits or from the least to the largest one."""
     values = values.astype(np.float64)
     known = np.isfinite(values)
-    low, high = (values[known].min(), values[known].max()) if known.any() else (0, 1)
+    low, high = limits or ((values[known].min(), values[known].max()) if known.any() else (0, 1))
     place = np.where(known, (values - low) / max(high - low, 1e-9), 0) * (len(RAMP) - 1)
     colors = [np.interp(place, np.arange(len(RAMP)), RAMP[:, channel]) for channel in range(3)]
     return np.where(known[..., None], np.stack(colors, axis=-1), 0).astype(np.uint8)
