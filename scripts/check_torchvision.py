@@ -8,6 +8,8 @@ Needs the packages stereotrace[dataset], torch and torchvision, some GB: it is n
 here in double precision, from depths and the camera: fx * baseline / Z - doffs. With --command, data sets of the Rust
 command are loaded too. Ends with status 1 where anything differs.
 
+Optical flow of KITTI's and Sintel's layouts is compared with Renderer.flow, in the same way.
+
 torchvision wants its own folders' names, which links give. Of KITTI it wants disp_occ_1 for the right view's
 disparities; in KITTI's own files that is the second frame's disparity, and the layout has none, so that the link leads
 to disp_occ_0 and is not compared.
@@ -24,7 +26,14 @@ from pathlib import Path
 
 import numpy as np
 import torchvision
-from torchvision.datasets import Kitti2015Stereo, Middlebury2014Stereo, SceneFlowStereo
+from torchvision.datasets import (
+    Kitti2015Stereo,
+    KittiFlow,
+    Middlebury2014Stereo,
+    SceneFlowStereo,
+    Sintel,
+    SintelStereo,
+)
 
 import stereotrace
 from stereotrace import dataset
@@ -76,6 +85,9 @@ def loaded(layout: str, root: Path, folders: list[Path], keep: Keep) -> object:
             (root / "Kitti2015" / "training" / inner.name).symlink_to(inner)
         (root / "Kitti2015" / "training" / "disp_occ_1").symlink_to(folder / "training" / "disp_occ_0")
         return Kitti2015Stereo(str(root), transforms=keep)
+    if layout == "sintel":
+        (root / "Sintel").symlink_to(folder)
+        return SintelStereo(str(root), pass_name="final", transforms=keep)
     (root / "SceneFlow").mkdir()
     (root / "SceneFlow" / "Monkaa").symlink_to(folder)
     return SceneFlowStereo(str(root), variant="Monkaa", pass_name="final", transforms=keep)
@@ -88,7 +100,7 @@ def check_sample(name: str, layout: str, sample: tuple, read: tuple, pair: stere
     )
     for eye, picture in (("left", left), ("right", right)):
         check(f"{name}: {eye} picture", np.array_equal(np.asarray(picture)[..., :3], getattr(pair, eye).color))
-    eyes = ("left",) if layout == "kitti" else ("left", "right")
+    eyes = ("left",) if layout in ("kitti", "sintel") else ("left", "right")
     for eye, found, mask in zip(eyes, disparities, masks):
         found = np.asarray(found, np.float64)[0]
         expected, surface = truth(pair, eye)
@@ -98,7 +110,10 @@ def check_sample(name: str, layout: str, sample: tuple, read: tuple, pair: stere
         off = np.abs(found - expected)[surface].max()
         check(f"{name}: {eye} disparity of surfaces", off <= most, off)
         check(f"{name}: {eye} sky is 0", not found[~surface].any(), found[~surface].max(initial=0))
-        if mask is not None:
+        if layout == "sintel":
+            seen = getattr(pair, eye).occlusion == 0
+            check(f"{name}: {eye} mask is where both eyes see", np.array_equal(np.asarray(mask), seen))
+        elif mask is not None:
             check(f"{name}: {eye} mask is where surfaces are", np.array_equal(np.asarray(mask), surface))
         if layout == "kitti":
             check(f"{name}: what is not 0 is where surfaces are", np.array_equal(found > 0, surface))
@@ -134,6 +149,41 @@ def check_layout(name: str, layout: str, folders: list[Path], pairs: list[stereo
     )
 
 
+def check_flow(layout: str, kind: type, **options: str) -> None:
+    """Compares optical flow that torchvision reads with that of the pairs."""
+    before, faults = COUNT, len(FAULTS)
+    spec = dataset.Spec.load(
+        {
+            "pairs": PAIRS,
+            "size": SIZE,
+            "format": layout,
+            "scenes": [{"builtin": "hall"}],
+            "motion": {"camera": {"right": 0.05, "turn": 1}, "objects": {"share": 0.5, "distance": 0.05}},
+        }
+    )
+    with tempfile.TemporaryDirectory() as out, tempfile.TemporaryDirectory() as root:
+        report = dataset.make(spec, out)
+        check(f"flow of {layout} is made", report.pairs == PAIRS, report.summary())
+        (Path(root) / kind.__name__).symlink_to(out)
+        data, worker = kind(root, **options), dataset.Worker(spec)
+        check(f"flow of {layout}: number of pairs", len(data) == PAIRS, len(data))
+        for number in range(PAIRS):
+            first, second, flow, *valid = data[number]
+            # Sintel's sequences come in the order of the folder's entries.
+            path = Path(data._image_list[number][0])
+            item = int(path.parent.name if layout == "sintel" else path.name.partition("_")[0])
+            pair, _ = worker.pair(item)
+            following, forward, _ = pair.motion
+            name = f"flow of {layout}, pair {item}"
+            check(f"{name}: first picture", np.array_equal(np.asarray(first)[..., :3], pair.left.color))
+            check(f"{name}: second picture", np.array_equal(np.asarray(second)[..., :3], following.left.color))
+            known = np.asarray(valid[0]) if valid else np.isfinite(forward.left.flow[..., 0])
+            check(f"{name}: has valid pixels", known.mean() > 0.5, known.mean())
+            off = np.abs(np.moveaxis(np.asarray(flow), 0, -1) - forward.left.flow)[known].max()
+            check(f"{name}: flow", off <= (0.5 / 64 + 1e-5 if layout == "kitti" else 0), off)
+    print(f"flow of {layout}: {kind.__name__}: {COUNT - before} checks, {len(FAULTS) - faults} failed")
+
+
 def main() -> None:
     given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     given.add_argument("--command", help="the Rust command, whose data sets are loaded too")
@@ -141,7 +191,9 @@ def main() -> None:
     os.environ.setdefault("STEREOTRACE_ADAPTER", "software")
     print(f"torchvision {torchvision.__version__}, stereotrace {stereotrace.__version__}")
     scenes = [("hall-finished", {"kind": "free"}), ("spheres", {"kind": "orbit"})]
-    for layout in ("middlebury", "kitti", "sceneflow"):
+    check_flow("kitti", KittiFlow)
+    check_flow("sintel", Sintel, pass_name="final")
+    for layout in ("middlebury", "kitti", "sceneflow", "sintel"):
         for scene, poses in scenes:
             with tempfile.TemporaryDirectory() as out:
                 values = {
@@ -154,11 +206,15 @@ def main() -> None:
                 spec = dataset.Spec.load({**values, "scenes": [{"builtin": scene}]})
                 report = dataset.make(spec, out)
                 check(f"{layout} of {scene} is made", report.pairs == PAIRS, report.summary())
-                worker = dataset.Worker(spec)
-                worker.outputs = lambda: ["color", "depth", "disparity", "occlusion"]  # with depths, for the truth
+                # The same pairs, with depths for the truth.
+                with_depth = {"format": "webdataset", "outputs": ["color", "depth", "disparity", "occlusion"]}
+                again = {**values, **with_depth, "rig": {"screen_distance": "inf"}}
+                worker = dataset.Worker(dataset.Spec.load({**again, "scenes": [{"builtin": scene}]}))
                 pairs = [worker.pair(number)[0] for number in range(PAIRS)]
                 folders = (
-                    [Path(out)] if layout == "kitti" else sorted(path for path in Path(out).iterdir() if path.is_dir())
+                    [Path(out)]
+                    if layout in ("kitti", "sintel")
+                    else sorted(path for path in Path(out).iterdir() if path.is_dir())
                 )
                 check_layout(f"Python, {layout}, {scene}", layout, folders, pairs)
         if command:
@@ -181,7 +237,8 @@ def main() -> None:
                 places = [
                     renderer.free_camera(hall, camera, 0, item, max_disparity=0.2 * SIZE[0])[0] for item in range(PAIRS)
                 ]
-                pairs = [renderer.render(hall, place, outputs=["color", "depth", "occlusion"]) for place in places]
+                outputs = ["color", "depth", "occlusion"]
+                pairs = [renderer.render(hall, place, outputs=outputs, seed=item) for item, place in enumerate(places)]
                 check_layout(f"command, {layout}, hall-finished", layout, [Path(out)], pairs)
     for fault in FAULTS:
         print(f"WRONG {fault}", file=sys.stderr)
