@@ -97,7 +97,10 @@ pub(crate) fn add_flow(batch: &mut Batch, flow: &Flow, direction: &str, folder: 
         batch.add_flo(file("flow", "flo"), eye)?;
         batch.add_png(file("flow", "png"), &eye.picture(None))?;
         batch.add_flow_classes(file("flow_class", "png"), eye)?;
-        batch.add_pfm(file("disp_change", "pfm"), eye.width, eye.height, &eye.disparity_change)?;
+        // Eyes with lenses have none.
+        if !eye.disparity_change.iter().all(|change| change.is_nan()) {
+            batch.add_pfm(file("disp_change", "pfm"), eye.width, eye.height, &eye.disparity_change)?;
+        }
         batch.add_pfm_color(file("scene_flow", "pfm"), eye.width, eye.height, &eye.displacement)?;
     }
     Ok(())

@@ -443,8 +443,8 @@ impl Renderer {
     /// ``Scene.transform_object`` and ``Scene.set_mesh`` move objects. ``camera`` is the camera at the other time; by
     /// default it stays. A point keeps its place on its primitive. All values are computed in double precision.
     ///
-    /// Raises ``ValueError`` if the scenes differ in more than positions, and for toed-in eyes and lenses. Also raises
-    /// it for a pair without ids, or by a method that copies pixels. Else raises as ``render`` does.
+    /// Raises ``ValueError`` if the scenes differ in more than positions, and for toed-in eyes. Also raises it for a
+    /// pair without ids, or by a method that copies pixels. Else raises as ``render`` does.
     #[pyo3(signature = (pair, scene, then, camera = None))]
     fn flow(
         &self,

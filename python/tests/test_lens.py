@@ -171,3 +171,28 @@ def test_data_sets_of_lenses_are_read_back(tmp_path):
     report = dataset.make(dataset.Spec.load(spec), str(tmp_path / "set"))
     assert report.errors == [] and report.failed == []
     assert not list(verify(str(tmp_path / "set")))
+
+
+def test_pairs_with_lenses_have_flow(tmp_path):
+    spec = {
+        "pairs": 1,
+        "size": [64, 48],
+        "scenes": [{"builtin": "near"}],
+        "rig": {"interaxial": 0.1, "lens": {"fx": 60, "radial_tangential": [-0.2, 0.03, 0, 0]}},
+        "motion": {"camera": {"right": 0.05, "turn": 2}},
+        "outputs": ["color", "match", "flow", "flow_visibility", "next.color", "next.match", "next.flow"],
+    }
+    assert not dataset.make(dataset.Spec.load(spec), str(tmp_path)).errors and not list(verify(str(tmp_path)))
+    pair, _ = dataset.Worker(dataset.Spec.load(spec)).pair(0)
+    following, forward, _ = pair.motion
+    # Carried by the flow, the next picture is the first one, where the point stays visible.
+    row, column = np.mgrid[:48, :64]
+    there = np.stack([column, row], axis=-1) + np.nan_to_num(forward.left.flow)
+    carried = cv2.remap(following.left.color, there.astype(np.float32), None, cv2.INTER_LINEAR)
+    seen = forward.left.visibility == 0
+    apart = lambda other: np.abs(other.astype(float) - pair.left.color)[seen].mean()  # noqa: E731
+    assert seen.mean() > 0.8 and apart(carried) < 0.5 * apart(following.left.color)
+    with pytest.raises(ValueError, match="disparity_change: a lens moves points out of their rows"):
+        dataset.Spec.load({**spec, "outputs": ["disparity_change"]})
+    with pytest.raises(ValueError, match="motion.rolling: its bands are for planar pictures: leave out rig.lens"):
+        dataset.Spec.load({**spec, "motion": {"rolling": {"readout": 1}}, "outputs": ["color"]})

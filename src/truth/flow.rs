@@ -67,9 +67,11 @@ pub struct EyeFlow {
     pub height: u32,
     /// Optical flow in pixels, to the right and down: the point's place in this eye's picture at the other time, minus
     /// the pixel's centre. Sky moves by the camera's rotation alone. In a picture of all directions, flow takes the
-    /// shorter way round.
+    /// shorter way round. It is NaN for a point in a direction that the lens does not show
+    /// ([`FlowClass::OutOfFrame`]).
     pub flow: Vec<[f32; 2]>,
-    /// The point's disparity `x_l - x_r` at the other time minus its disparity now, in pixels.
+    /// The point's disparity `x_l - x_r` at the other time minus its disparity now, in pixels. It is NaN for eyes with
+    /// lenses.
     pub disparity_change: Vec<f32>,
     /// Scene flow: the point's displacement in world units, in the world's frame. It is 0 for sky.
     /// [`Pose::in_camera`] transforms it to the camera's frame.
@@ -119,8 +121,7 @@ impl Renderer {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair without ids or by a method that copies pixels; [`Error::Rig`] for toed-in eyes and
-    /// lenses;
+    /// [`Error::Options`] for a pair without ids or by a method that copies pixels; [`Error::Rig`] for toed-in eyes;
     /// [`Error::Scene`] if the scenes differ in more than positions, or if `then.scene` is not the uploaded scene;
     /// [`Error::Camera`] for a camera of another projection than the pair's; and the errors of
     /// [`Renderer::closest_hits`].
@@ -186,16 +187,20 @@ fn checked(pair: &StereoPair, scene: &Scene, then: &Moment<'_>) -> Result<Pose, 
     }
     check_ids(scene, pair)?;
     let pose = then.camera.pose_in(then.scene.origin())?;
-    if let Some(name) = pair.pose.projection.without_rows().or(pose.projection.without_rows()) {
-        return Err(Error::Rig { reason: format!("{name} have no disparity, which flow needs") });
+    if [pair.pose.projection, pose.projection].contains(&Projection::ToeIn) {
+        return Err(Error::Rig { reason: "toed-in eyes have no disparity, which flow needs".into() });
     }
     let is_same = match (pair.pose.projection, pose.projection) {
-        (Projection::OffAxis, Projection::OffAxis) => true,
+        (Projection::OffAxis, Projection::OffAxis) | (Projection::Lenses(_), Projection::Lenses(_)) => true,
         (Projection::Equirectangular(now), Projection::Equirectangular(then)) => now == then,
         _ => false,
     };
     if !is_same {
-        let value = if pose.projection == Projection::OffAxis { "planar" } else { "equirectangular" };
+        let value = match pose.projection {
+            Projection::OffAxis | Projection::ToeIn => "planar",
+            Projection::Lenses(_) => "of lenses",
+            Projection::Equirectangular(_) => "equirectangular",
+        };
         let reason = "it must be the pair's, with the same span and pole merge";
         return Err(Error::Camera { field: "projection", value: value.into(), reason });
     }
@@ -257,6 +262,7 @@ struct EyeMotion<'a> {
     other: Projector,
     /// Widths of pictures of all directions, now and at the other time.
     turns: [Option<f64>; 2],
+    has_rows: bool,
 }
 
 impl<'a> EyeMotion<'a> {
@@ -270,6 +276,7 @@ impl<'a> EyeMotion<'a> {
             own: then.projector(side),
             other: then.projector(-side),
             turns: [now, then].map(|pose| pose.circle().and_then(|circle| circle.turn)),
+            has_rows: now.projection.without_rows().is_none(),
         }
     }
 
@@ -320,7 +327,7 @@ impl<'a> EyeMotion<'a> {
             primitive,
             outward,
             flow: [shorter_way(self.turns[1], place[0] - center[0]) as f32, (place[1] - center[1]) as f32],
-            disparity_change: if class == FlowClass::Behind { f32::NAN } else { change as f32 },
+            disparity_change: if class == FlowClass::Behind || !self.has_rows { f32::NAN } else { change as f32 },
             displacement: displacement.as_vec3().to_array(),
             class,
         }

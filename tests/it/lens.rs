@@ -3,11 +3,12 @@
 use std::ops::ControlFlow;
 
 use stereotrace::{
-    Adaptive, Builtin, Channel, Distortion, Error, Lens, Lighting, MISS, MatchClass, Material, MaterialId, Method,
-    Occlusion, Options, Plane, Pose, Projection, Renderer, Rig, Scene, StereoCamera, StereoPair, View, Visibility,
+    Adaptive, Builtin, Channel, Distortion, Error, FlowClass, Lens, Lighting, MISS, MatchClass, Material, MaterialId,
+    Method, Moment, Occlusion, Options, Plane, Pose, Projection, Renderer, Rig, Scene, StereoCamera, StereoPair, View,
+    Visibility,
     blocking::Wait,
     camera::Intrinsics,
-    glam::{DVec3, Vec3},
+    glam::{Affine3A, DVec3, Vec3},
     output::Remap,
     testing::cpu::intersect::closest_hit,
 };
@@ -373,6 +374,67 @@ fn every_method_traces_both_eyes_and_says_so() {
     }
 }
 
+/// Flow of objects that move and of a camera that moves, against the formulas and rays in plain Rust.
+#[test]
+fn flow_leads_to_the_places_of_points_at_the_other_time() {
+    let mut renderer = renderer();
+    let kinds = kinds();
+    let scene = Builtin::Near.scene();
+    let step = Vec3::new(0.15, 0.1, -0.05);
+    let mut moved = scene.clone();
+    moved.transform_object(0, &Affine3A::from_translation(step)).unwrap();
+    let [uploaded, after] = [&scene, &moved].map(|scene| renderer.upload(scene).wait().unwrap());
+    for kind in cases([1, 5, 3, 0], 3) {
+        let (name, lens) = kinds[kind];
+        let camera = Builtin::Near.camera(SIZE[0], SIZE[1]).interaxial(0.4).lens(lens);
+        let eye = camera.eye_position() + DVec3::new(0.2, 0.1, -0.1);
+        let then = camera.eye(eye).target(camera.target_position() + DVec3::new(-0.1, 0.0, 0.2));
+        let pair = renderer.pair(&uploaded, &camera).read().wait().unwrap();
+        let moment = Moment { scene: &moved, uploaded: &after, camera: &then };
+        let flow = renderer.flow(&pair, &scene, moment).wait().unwrap();
+        let pose = then.pose().unwrap();
+        let axes = [pose.right, -pose.up, pose.forward].map(|axis| axis.as_dvec3());
+        for ((side, view), found) in views(&pair).into_iter().zip([&flow.left, &flow.right]) {
+            let (mut worst, mut differ, mut seen) = (0.0_f64, 0, 0);
+            for (index, &id) in view.primitive.iter().enumerate() {
+                let ray = direction(&pair.pose, &lens, centre(index));
+                let moves = id != MISS && scene.object_of(id) == 0;
+                let displacement = if moves { step } else { Vec3::ZERO };
+                assert!(Vec3::from_array(found.displacement[index]).distance(displacement) < 1e-5);
+                let point = pair.pose.eye_position(side) + ray * f64::from(view.depth[index]) + displacement.as_dvec3();
+                let to = if id == MISS { ray } else { point - pose.eye_position(side) };
+                let [x, y, z] = axes.map(|axis| axis.dot(to));
+                let expected = place(&lens, x / z, y / z);
+                let is_inside = z > 0.0 && (0..2).all(|axis| (0.0..f64::from(SIZE[axis])).contains(&expected[axis]));
+                if is_inside {
+                    let [u, v] = found.flow[index].map(f64::from);
+                    let [column, row] = centre(index);
+                    worst = worst.max((column + u - expected[0]).hypot(row + v - expected[1]));
+                }
+                let start = (pose.eye_position(side) - moved.origin()).as_vec3();
+                let (t, hit) = closest_hit(&moved, start, to.as_vec3(), 0.0, stereotrace::FAR);
+                let is_seen = if id == MISS { hit == MISS } else { t > 0.9999 };
+                let class = match (z > 0.0, is_inside, is_seen) {
+                    (false, ..) => FlowClass::Behind,
+                    (_, false, _) => FlowClass::OutOfFrame,
+                    (.., true) => FlowClass::Visible,
+                    (.., false) => FlowClass::Hidden,
+                };
+                differ += usize::from(found.class[index] != class);
+                seen += usize::from(class == FlowClass::Visible);
+            }
+            println!("{name} {side}: {worst:e} px, {differ} classes differ, {seen} are visible");
+            assert!(worst < 1e-3 && differ <= 10 && seen > 4000, "{name}: {worst:e} px, {differ}, {seen}");
+            assert!(found.disparity_change.iter().all(|change| change.is_nan()));
+        }
+    }
+    let pair = renderer.pair(&uploaded, &Builtin::Near.camera(SIZE[0], SIZE[1])).read().wait().unwrap();
+    let camera = Builtin::Near.camera(SIZE[0], SIZE[1]).interaxial(0.4).lens(kinds[0].1);
+    let moment = Moment { scene: &scene, uploaded: &uploaded, camera: &camera };
+    let message = renderer.flow(&pair, &scene, moment).wait().unwrap_err().to_string();
+    assert!(message.contains("projection is of lenses"), "{message}");
+}
+
 #[test]
 fn features_that_need_rows_are_refused_by_name() {
     let mut renderer = renderer();
@@ -387,8 +449,6 @@ fn features_that_need_rows_are_refused_by_name() {
             "{error}"
         );
     };
-    let then = stereotrace::Moment { scene: &scene, uploaded: &uploaded, camera: &camera };
-    refused(renderer.flow(&pair, &scene, then).wait().unwrap_err(), "eyes with lenses");
     let layering = stereotrace::Layering::new(2);
     refused(renderer.layers(&uploaded, &scene, &pair, &layering).wait().unwrap_err(), "eyes with lenses");
     refused(renderer.pair(&uploaded, &camera).rows(&mut |_| Ok(())).wait().unwrap_err(), "as a pair");

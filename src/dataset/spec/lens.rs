@@ -118,10 +118,11 @@ pub(super) fn check_together(spec: &Spec) -> Result<(), Error> {
         let reason = format!("the pairs of {layout} are rectified: use webdataset or parquet, or leave out rig.lens");
         return fault("format", reason);
     }
-    if spec.motion.is_some() {
-        return fault("motion", "it needs disparities, which pairs with a lens don't have");
+    if spec.rolling().is_some() {
+        return fault("motion.rolling", "its bands are for planar pictures: leave out rig.lens");
     }
-    let needs_rows = |output: Output| output.is_layer() || output == Output::Channel(Channel::Disparity);
+    let of_rows = [Output::Channel(Channel::Disparity), Output::DisparityChange];
+    let needs_rows = |output: Output| output.is_layer() || of_rows.contains(&output);
     match spec.arrays.iter().find(|array| needs_rows(array.output)) {
         Some(array) => {
             let reason = "a lens moves points out of their rows; use match and match_visibility";

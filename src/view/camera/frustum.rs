@@ -86,7 +86,7 @@ impl Projector {
     }
 
     /// Returns the column and row of an infinitely distant point, given by its direction, or `None` if the eye looks
-    /// away from it.
+    /// away from it. A lens that does not show the direction gives NaN.
     pub(crate) fn project_direction(&self, direction: DVec3) -> Option<[f64; 2]> {
         match self {
             Self::Screen { .. } => {
@@ -98,7 +98,7 @@ impl Projector {
             }
             Self::Lens { axes, lens, .. } => {
                 let [x, y, z] = axes.map(|axis| axis.dot(direction));
-                if z > 0.0 { lens.pixel_of([x / z, y / z]) } else { None }
+                (z > 0.0).then(|| lens.pixel_of([x / z, y / z]).unwrap_or([f64::NAN; 2]))
             }
         }
     }
