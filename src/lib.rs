@@ -178,8 +178,8 @@ pub use render::{Update, UploadInfo, UploadedScene};
 pub use scene::animation::Animation;
 pub use scene::builtin::Builtin;
 pub use scene::{
-    Cone, Ellipsoid, Falloff, Finish, Light, LightShape, MISS, Material, MaterialId, Mesh, Plane, Principled, Scene,
-    Sky, SkyMap, Sphere, Texture, TextureId, TextureKind, Triangle, Wrap,
+    Cone, Ellipsoid, Falloff, Finish, Light, LightShape, MISS, Material, MaterialId, Mesh, Plane, Principled,
+    Projector, Scene, Sky, SkyMap, Sphere, Texture, TextureId, TextureKind, Triangle, Wrap,
 };
 pub use truth::channels::{Channels, Values};
 pub use truth::correspondence::{Correspondence, EyeMatches, MatchClass};

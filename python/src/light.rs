@@ -1,7 +1,7 @@
 //! Lights.
 
 use pyo3::prelude::*;
-use stereotrace::{Falloff, LightShape};
+use stereotrace::{Falloff, LightShape, TextureId};
 
 use crate::{
     pickled::{Reduced, bytes, reduced},
@@ -18,7 +18,8 @@ use crate::{
 /// ``with_quadratic_falloff`` returns a light whose brightness falls with the square of the distance. ``intensity`` is
 /// then the radiance of a white surface at a distance of 1 world unit. A sphere of radiance L and radius r has the
 /// intensity L r². A rectangle of radiance L and area A has the intensity L A / π. It emits on one side, the one that
-/// the cross product of ``half_width`` and ``half_height`` points to. ``with_cone`` returns a spot light.
+/// the cross product of ``half_width`` and ``half_height`` points to. ``with_cone`` returns a spot light, and
+/// ``with_projector`` a light that projects a picture.
 ///
 /// Lights are immutable: ``replace`` makes changed copies. They compare by value and can be pickled. Rendering checks
 /// their values, and raises ``ValueError`` for values out of range.
@@ -77,6 +78,15 @@ impl Light {
     /// in radians: ``inner`` is less than ``outer``, and ``outer`` at most π/2.
     fn with_cone(&self, direction: Point, inner: f32, outer: f32) -> Self {
         Self(self.0.with_cone(direction.0, inner, outer))
+    }
+
+    /// Returns a copy of a point light that projects a picture: a slide, or a pattern such as ``Scene.add_dots`` adds.
+    /// ``texture`` is an id of the scene's ``add_texture``; its linear colour multiplies the intensity. There is no
+    /// light outside the picture. ``direction`` leads to the picture's middle and ``up`` is up in the picture, both
+    /// world directions of any length but 0. ``fov`` is the full horizontal field of view in radians, at least 0.001
+    /// and less than π. Pixels are square.
+    fn with_projector(&self, texture: u32, direction: Point, up: Point, fov: f32) -> Self {
+        Self(self.0.with_projector(TextureId(texture), direction.0, up.0, fov))
     }
 
     /// World position of the middle, or the direction to a directional light: a tuple of three.

@@ -529,6 +529,16 @@ impl Scene {
         Ok(self.changed().add_texture(texture).0)
     }
 
+    /// Adds a texture of ``count`` white dots at random places on black, for ``Light.with_projector``. Returns its id.
+    /// Sides are in pixels, 5 to 8192. Dots are 3 pixels wide, and their centres at least half the root of ``width *
+    /// height / count`` apart. Equal numbers give equal dots. Raises ``ValueError`` for sides out of range, and for
+    /// less than 64 pixels per dot.
+    #[pyo3(signature = (width, height, count, seed = 0))]
+    fn add_dots(&mut self, width: u32, height: u32, count: u32, seed: u32) -> PyResult<u32> {
+        let texture = Texture::dots(width, height, count, seed).map_err(raised)?;
+        Ok(self.changed().add_texture(texture).0)
+    }
+
     /// Lights: a list of ``Light``. The list is a copy: assign a list to change the lights, or call ``add_light``. A
     /// scene may have 2**20 lights, at most 16 of which are not points. Rendering checks that.
     #[getter]

@@ -156,6 +156,29 @@ def test_lights_and_sky(renderer):
     assert scene.lights == placed
 
 
+def test_projectors_project_their_picture_upright(renderer):
+    scene = Scene()
+    scene.add_plane((0, 0, 0), (0, 0, 1))
+    scene.ambient = 0
+    halves = np.zeros((2, 2, 3), np.uint8)
+    halves[0, 0], halves[1, 1] = (255, 0, 0), (0, 0, 255)
+    lamp = Light.point((0, 0, 3), 1.0)
+    picture = scene.add_texture(halves)
+    scene.lights = [lamp.with_projector(picture, (0, 0, -1), (0, 1, 0), 0.8)]
+    camera = Camera((0, 0, 3), (0, 0, 0), size=(24, 24), fov=60)
+    shown = renderer.render(scene, camera, outputs=["linear"]).left.linear
+    assert shown[5, 5, 0] > 0.3 and shown[5, 5, 2] == 0 and shown[18, 18, 2] > 0.3 and shown[18, 18, 0] == 0
+    assert shown[5, 18].max() < 0.1 and shown[18, 5].max() < 0.1 and shown[0, 0].max() == 0
+    dots = scene.add_dots(160, 120, 200)
+    scene.lights = [lamp.with_projector(dots, (0, 0, -1), (0, 1, 0), 0.8)]
+    assert pickle.loads(pickle.dumps(scene.lights)) == scene.lights != [lamp]
+    with pytest.raises(ValueError, match="dots: 400 dots in 160x120 pixels"):
+        scene.add_dots(160, 120, 400)
+    scene.lights = [lamp.with_projector(7, (0, 0, -1), (0, 1, 0), 0.8)]
+    with pytest.raises(ValueError, match="the projector's texture 7 is out of range for 2 textures"):
+        renderer.render(scene, CAMERA)
+
+
 def test_trimesh_shows_what_arrays_show(renderer):
     mesh = trimesh.Trimesh(VERTICES, FACES, process=False)
     ours, theirs = Scene(), stereotrace.from_trimesh(mesh)

@@ -1,7 +1,8 @@
 // Light that reaches a path's vertex directly. A place on a light, a place on an emitting primitive, and a direction of
 // a sky map are chosen by chance.
 
-//! use aims, bvh, display, facets, fetch, lane, pixels, planes, rays, scattering, sky, sky_light, sobol, table
+//! use aims, bvh, display, facets, fetch, lane, pixels, planes, projectors, rays, scattering, sky, sky_light, sobol
+//! use table
 
 //! if light is paths
 // Number of pairs of random numbers per vertex, and what they choose.
@@ -59,7 +60,8 @@ fn sent_from_lights(vertex: Vertex, pair: u32, is_first: bool) -> Sent {
     if there.diffuse <= 0.0 { return none; }
     // A light's intensity is the radiance of a white surface that faces it, so its irradiance is pi times as large.
     let fade = faded(light, head.w, base, to_middle);
-    let scale = shading_vector(first + 1u) * (f32(count) * fade * vertex.lobes.opacity / INVERSE_PI);
+    let intensity = intensity_along(light, shading_vector(first + 1u), base);
+    let scale = intensity * (f32(count) * fade * vertex.lobes.opacity / INVERSE_PI);
     let passed = passing(start, to_light, select(far, FAR, head.w == SUN), is_first);
     return Sent(scale * passed * there.diffuse, scale * passed * there.glossy);
 }

@@ -1,7 +1,7 @@
 // Lights (DESIGN, section 3). visibility.wgsl determines which points see a light, and soft.wgsl handles lights other
 // than point lights.
 
-//! use aims, counters, fetch, in_steps, lane, light, reflectance, shadows, soft, table, visibility
+//! use aims, counters, fetch, in_steps, lane, light, projectors, reflectance, shadows, soft, table, visibility
 
 //! if lights is some
 fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
@@ -44,7 +44,7 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
         if any_ray(faces) {
             let lit = lit_by(light, faces, ShadowRay(position, add3(point, aside), direction, distance));
             if is_put_off(faces) { break; }
-            let arriving = times3(all3(intensity), faded_rays(light, straight));
+            let arriving = times3(intensities_along(light, intensity, straight), faded_rays(light, straight));
             sum.diffuse = add3(sum.diffuse, times3(arriving, select(F(0.0), cosine, lit)));
             if SHINE {
                 let shine = product3(arriving, highlight(surfaces, direction, eye));

@@ -8,8 +8,9 @@ const AMBIENT: u32 = 0u;      // linear RGB; the number of lights in w
 // head.
 const SKY_NADIR: u32 = 1u;
 const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or of the whole sky
-// First texel of the lights, LIGHT_TEXELS each: position and kind, intensity and size, two sides for some kinds. The
-// materials follow (materials.wgsl), then a map's pixels, then textures (textures.wgsl).
+// First texel of the lights, LIGHT_TEXELS each: position and kind, intensity and size, two sides for some kinds, three
+// texels of a projector (projectors.wgsl). The materials follow (materials.wgsl), then a map's pixels, then textures
+// (textures.wgsl).
 const LIGHTS: u32 = 3u;
 
 fn shading_vector(index: u32) -> vec3f {

@@ -7,7 +7,7 @@ use half::f16;
 
 use super::{emitters::Emitters, facets};
 use crate::{
-    Cone, Falloff, Finish, Light, LightShape, Material, Principled, Scene, Sky, SkyMap, Texture, TextureId,
+    Cone, Falloff, Finish, Light, LightShape, Material, Principled, Projector, Scene, Sky, SkyMap, Texture, TextureId,
     TextureKind, Wrap,
     gpu::Texel,
     kernel::variant::{light_texels, material_texels},
@@ -35,8 +35,9 @@ pub(crate) struct Pictures {
 impl Pictures {
     pub(crate) fn of(scene: &Scene) -> Self {
         let sky = if let Sky::Map(map) = &scene.sky { Some(map.clone()) } else { None };
-        let textures = if scene.is_textured() { scene.textures().to_vec() } else { Vec::new() };
-        Self { at: ShadingTable::of(scene).before_pictures(), sky, textures, weighed: OnceLock::new() }
+        let table = ShadingTable::of(scene);
+        let textures = table.textures().to_vec();
+        Self { at: table.before_pictures(), sky, textures, weighed: OnceLock::new() }
     }
 
     /// Returns the index of the sky map's first texel, and its texels with their sampling weights. Returns `None`
@@ -82,7 +83,11 @@ impl<'a> ShadingTable<'a> {
         Self {
             scene,
             each,
-            each_light: light_texels(scene.soft_lights().next().is_some(), scene.has_fading_lights()),
+            each_light: light_texels(
+                scene.soft_lights().next().is_some(),
+                scene.has_fading_lights(),
+                scene.has_projectors(),
+            ),
             emitters: OnceLock::new(),
         }
     }
@@ -119,9 +124,9 @@ impl<'a> ShadingTable<'a> {
         self.before_textures() + self.textures().iter().map(|texture| 1 + body_texels(texture)).sum::<usize>()
     }
 
-    /// Returns the scene's textures, or an empty list if no surface is textured.
+    /// Returns the scene's textures, or an empty list if neither a surface nor a projector needs them.
     fn textures(&self) -> &'a [Texture] {
-        if self.scene.is_textured() { self.scene.textures() } else { &[] }
+        if self.scene.is_textured() || self.scene.has_projectors() { self.scene.textures() } else { &[] }
     }
 
     pub(crate) fn texels(&self) -> impl Iterator<Item = Texel> + use<'a> {
@@ -137,8 +142,10 @@ impl<'a> ShadingTable<'a> {
         let head: [_; HEAD] = [texel(scene.rendered_ambient(), scene.lights.len() as u32), nadir, zenith];
         let (each, each_light) = (self.each, self.each_light);
         let lights = scene.lights.iter();
-        let lights =
-            lights.flat_map(move |light| light_of(light, scene.local_position(light)).into_iter().take(each_light));
+        let lights = lights.flat_map(move |light| {
+            let projector = projector_of(light.projector, scene.textures());
+            light_of(light, scene.local_position(light)).into_iter().chain(projector).take(each_light)
+        });
         let materials = scene.materials().iter().flat_map(move |material| material_of(material).into_iter().take(each));
         let sky = sky_pixels(scene).iter().copied().map(plain);
         let heads = self.placed_textures().map(|(at, texture)| head_of(texture, at));
@@ -246,6 +253,23 @@ fn cone_of(cone: Option<Cone>) -> (f32, Vec3, Vec3) {
     // The extension's lower limit of the difference.
     let scale = 1.0 / (inner.cos() - outer.cos()).max(1e-3);
     (scale, Vec3::X * (-outer.cos() * scale), direction.as_dvec3().normalize_or_zero().as_vec3())
+}
+
+/// Returns the texels of a projector (projectors.wgsl): vectors to the right and up, and the unit direction. Their
+/// lengths make the picture's edges lie at -1 and 1 where the direction is 1. The first w is the texture's number plus
+/// one, or 0.
+fn projector_of(projector: Option<Projector>, textures: &[Texture]) -> [Texel; 3] {
+    let Some(Projector { texture, direction, up, fov }) = projector else { return [[0; 4]; 3] };
+    let aspect = match textures[texture.0 as usize].kind() {
+        TextureKind::Image { size: [width, height], .. } => f64::from(*width) / f64::from(*height),
+        TextureKind::Checkerboard { .. } => 1.0,
+    };
+    let direction = direction.as_dvec3().normalize_or_zero();
+    let right = direction.cross(up.as_dvec3()).normalize_or_zero();
+    let scale = 1.0 / (0.5 * f64::from(fov)).tan();
+    let vectors = [right * scale, right.cross(direction) * (scale * aspect), direction];
+    let [right, up, direction] = vectors.map(|vector| texel(vector.as_vec3(), 0));
+    [[right[0], right[1], right[2], texture.0 + 1], up, direction]
 }
 
 /// Returns the texels of a material (materials.wgsl).

@@ -94,9 +94,13 @@ impl SkyKind {
 }
 
 /// Returns the number of texels per light in the shading table. `soft` says whether some light is not a point light,
-/// and `fading` whether some light has a falloff or a cone.
-pub(crate) fn light_texels(soft: bool, fading: bool) -> usize {
-    if soft || fading { 4 } else { 2 }
+/// `fading` whether some light has a falloff or a cone, and `projectors` whether some light projects a picture.
+pub(crate) fn light_texels(soft: bool, fading: bool, projectors: bool) -> usize {
+    match (soft || fading, projectors) {
+        (_, true) => 7,
+        (true, false) => 4,
+        (false, false) => 2,
+    }
 }
 
 /// Role of a kernel in soft light.
@@ -150,6 +154,8 @@ pub(crate) struct Variant {
     pub(crate) soft_lights: bool,
     /// Whether some lights have a falloff or a cone.
     pub(crate) fading: bool,
+    /// Whether some lights project a picture.
+    pub(crate) projectors: bool,
     /// Whether lights cast shadows.
     pub(crate) casts: bool,
     /// Number of rays to each soft light (`shadow_rays`) and into the surroundings (`occlusion_rays`); 0 without such
@@ -214,6 +220,7 @@ impl Variant {
         shadows: Shadows::None,
         soft_lights: false,
         fading: false,
+        projectors: false,
         casts: true,
         shadow_rays: 0,
         occlusion_rays: 0,
@@ -262,6 +269,7 @@ impl Variant {
             shadows: Shadows::of(scene),
             soft_lights: scene.soft_lights().next().is_some(),
             fading: scene.has_fading_lights(),
+            projectors: scene.has_projectors(),
             casts: scene.shadows,
             sky: SkyKind::of(&scene.sky),
             world_boxes,
@@ -324,6 +332,7 @@ impl Variant {
                 shine: self.shine,
                 soft_lights: self.soft_lights,
                 fading: self.fading,
+                projectors: self.projectors,
                 mirrors: self.mirrors,
                 samples: true,
                 bits: ShadowReuse::Rays,
@@ -357,6 +366,7 @@ impl Variant {
             shadows: Shadows::None,
             soft_lights: false,
             fading: false,
+            projectors: false,
             casts: true,
             shadow_rays: 0,
             occlusion_rays: 0,

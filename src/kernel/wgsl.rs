@@ -106,6 +106,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "primitive",
     "primitives",
     "projection",
+    "projectors",
     "ray_list",
     "rays",
     "recall",

@@ -164,8 +164,9 @@ impl Animation {
     /// Moves the scene's objects and lights to their places at a time in seconds. Before its first key frame and after
     /// its last one, a property keeps that key frame's value. Properties without key frames have the file's values.
     ///
-    /// The scene must be the file's scene. Lights with another shape or intensity than the file's do not move. Objects
-    /// keep their primitives, so [`Renderer::flow`](crate::Renderer::flow) follows their points.
+    /// The scene must be the file's scene. Lights with another shape or intensity than the file's do not move. Cones
+    /// and projectors of others point along their node's -z axis. Objects keep their primitives, so
+    /// [`Renderer::flow`](crate::Renderer::flow) follows their points.
     /// [`Update::RefitOrRebuild`](crate::Update::RefitOrRebuild) follows on the device.
     ///
     /// # Errors
@@ -497,8 +498,8 @@ impl StereoCamera {
 }
 
 impl Light {
-    /// Moves the light to a node if it is the light that the node had at rest. Spot lights and directional lights
-    /// shine along the node's -z axis.
+    /// Moves the light to a node if it is the light that the node had at rest. Spot lights, projectors and directional
+    /// lights shine along the node's -z axis. The node's y axis is up in a projector's picture.
     fn follow(&mut self, rest: &Self, place: DAffine3) {
         let is_same = self.intensity == rest.intensity && self.shape == rest.shape && self.falloff == rest.falloff;
         if !is_same {
@@ -508,6 +509,10 @@ impl Light {
         self.position = if matches!(self.shape, LightShape::Directional { .. }) { towards } else { place.translation };
         if let Some(cone) = &mut self.cone {
             cone.direction = -towards.as_vec3();
+        }
+        if let Some(projector) = &mut self.projector {
+            projector.direction = -towards.as_vec3();
+            projector.up = place.transform_vector3(DVec3::Y).normalize_or_zero().as_vec3();
         }
     }
 }

@@ -61,7 +61,7 @@ impl Scene {
         check_light_count(self.lights.len())?;
         for (index, light) in self.lights.iter().enumerate() {
             check(format!("light {index}"), check_color("intensity", light.intensity))?;
-            check(format!("light {index}"), light.check(self.origin))?;
+            check(format!("light {index}"), light.check(self.origin, self.textures.len()))?;
         }
         let soft = self.soft_lights().count();
         if soft > MAX_SOFT_LIGHTS {
@@ -88,12 +88,7 @@ impl Scene {
         let own = [("texture", material.texture), ("cutout", material.cutout)];
         let own = own.into_iter().filter_map(|(what, texture)| Some((what, texture?)));
         for (what, texture) in own.chain(material.principled.iter().flat_map(Principled::textures)) {
-            if let Some(TextureId(id)) = Some(texture).filter(|id| id.0 as usize >= self.textures.len()) {
-                return Err(format!(
-                    "{what} {id} is out of range for {}",
-                    counted(self.textures.len(), "texture", "textures")
-                ));
-            }
+            check_texture(what, texture, self.textures.len())?;
         }
         let returned = material.most_returned();
         if returned.max_element() <= MOST_RETURNED {
@@ -168,6 +163,14 @@ pub(crate) fn check_light_count(count: usize) -> Result<(), Error> {
         element: "lights".into(),
         reason: format!("{count} lights; a scene can have at most {MAX_LIGHTS}"),
     })
+}
+
+/// Checks a texture's id in a scene with this number of textures.
+pub(crate) fn check_texture(what: &str, TextureId(id): TextureId, textures: usize) -> Result<(), String> {
+    match (id as usize) < textures {
+        true => Ok(()),
+        false => Err(format!("{what} {id} is out of range for {}", counted(textures, "texture", "textures"))),
+    }
 }
 
 /// Checks that light or reflectance is finite and not negative.

@@ -1,16 +1,25 @@
 //! Lights.
 
-use std::f32::consts::FRAC_PI_2;
+use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec3, Vec3};
 
-use super::{Scene, checks::check_coordinate};
+use super::{
+    Scene, TextureId,
+    checks::{check_coordinate, check_texture},
+};
 
 /// Maximum number of lights in a scene that are not points. Their shadows are stored for each pixel.
 pub const MAX_SOFT_LIGHTS: usize = 16;
 
 /// Largest [`LightShape::Directional`] radius: nearly a hemisphere.
 const MOST_ANGLE: f32 = 1.5;
+
+/// Smallest [`Projector::fov`], in radians.
+const LEAST_FOV: f32 = 1e-3;
+
+/// Smallest sine of the angle between a projector's direction and its `up`.
+const LEAST_TURN: f64 = 1e-4;
 
 /// A light. Without [`Light::falloff`], it is equally bright at any distance (thesis, chapter 4).
 ///
@@ -42,6 +51,9 @@ pub struct Light {
     /// Cone outside which the light does not shine, for points and spheres.
     #[cfg_attr(feature = "serde", serde(default))]
     pub cone: Option<Cone>,
+    /// Picture that a point light projects.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub projector: Option<Projector>,
 }
 
 /// Change of a light's brightness with distance.
@@ -73,6 +85,37 @@ pub struct Cone {
     pub inner: f32,
     /// Angle from the axis in radians, at most π/2.
     pub outer: f32,
+}
+
+/// Picture that a point light projects: a slide, a light pattern for stereo matching, or structured light. Its linear
+/// colour multiplies the light's intensity, and its alpha is ignored. There is no light outside the picture. Seen from
+/// the light, the picture on a wall is upright and not mirrored.
+///
+/// Pixels are square, so the vertical field of view follows from the picture's sides. A checkerboard is a square. The
+/// picture's full size is filtered bilinearly, at any distance: finer detail than a view's pixels needs
+/// [`Options::samples`](crate::Options::samples). Falloff and a cone about any axis apply too.
+///
+/// ```
+/// use stereotrace::{Builtin, Light, Texture, glam::Vec3};
+///
+/// let mut scene = Builtin::Hall.scene();
+/// let dots = scene.add_texture(Texture::dots(1280, 800, 5000, 1)?);
+/// let eye = Vec3::new(0.75, 1.75, -4.0);
+/// scene.lights = vec![Light::point(eye, Vec3::splat(4.0)).with_projector(dots, Vec3::NEG_Z, Vec3::Y, 1.2)];
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projector {
+    /// The picture, one of [`Scene::textures`]. Its wrap mode is ignored.
+    pub texture: TextureId,
+    /// World direction from the light to the middle of the picture, of any length but 0.
+    pub direction: Vec3,
+    /// World direction that is up in the picture, of any length but 0 and not parallel to `direction`. Only its part
+    /// perpendicular to `direction` counts.
+    pub up: Vec3,
+    /// Full horizontal field of view in radians, at least 0.001 and less than π.
+    pub fov: f32,
 }
 
 /// Shape of a light. Lights are invisible themselves. All shapes except points are sampled by
@@ -130,7 +173,7 @@ impl Light {
     }
 
     fn of(shape: LightShape, position: DVec3, intensity: Vec3) -> Self {
-        Self { position, intensity, shape, falloff: Falloff::None, cone: None }
+        Self { position, intensity, shape, falloff: Falloff::None, cone: None, projector: None }
     }
 
     /// Lets the brightness fall with the square of the distance. A directional light has no falloff.
@@ -145,6 +188,15 @@ impl Light {
     #[must_use]
     pub fn with_cone(mut self, direction: Vec3, inner: f32, outer: f32) -> Self {
         self.cone = Some(Cone { direction, inner, outer });
+        self
+    }
+
+    /// Lets a point light project a picture, as [`Projector`] explains. `direction` leads from the light to the
+    /// picture's middle and `up` is up in the picture, both world directions of any length but 0. `fov` is the full
+    /// horizontal field of view in radians, at least 0.001 and less than π.
+    #[must_use]
+    pub fn with_projector(mut self, texture: TextureId, direction: Vec3, up: Vec3, fov: f32) -> Self {
+        self.projector = Some(Projector { texture, direction, up, fov });
         self
     }
 
@@ -163,8 +215,8 @@ impl Light {
         self.falloff != Falloff::None || self.cone.is_some()
     }
 
-    /// Checks position, shape, falloff and cone, in a scene with this origin.
-    pub(crate) fn check(&self, origin: DVec3) -> Result<(), String> {
+    /// Checks position, shape, falloff, cone and projector, in a scene with this origin and number of textures.
+    pub(crate) fn check(&self, origin: DVec3, textures: usize) -> Result<(), String> {
         let above_zero = |what: &str, length: f32| match length.is_finite() && length > 0.0 {
             true => Ok(()),
             false => Err(format!("{what} is {length}; it must be finite and above 0")),
@@ -183,6 +235,22 @@ impl Light {
                 return Err(format!(
                     "the cone's angles are {inner} and {outer}; inner must be at least 0 and less than outer, and \
                      outer at most {FRAC_PI_2}"
+                ));
+            }
+        }
+        if let Some(Projector { texture, direction, up, fov }) = self.projector {
+            if self.shape != LightShape::Point {
+                return Err("only points have a projector".to_owned());
+            }
+            check_texture("the projector's texture", texture, textures)?;
+            above_zero("the length of the projector's direction", direction.length())?;
+            above_zero("the length of the projector's up", up.length())?;
+            if direction.as_dvec3().normalize().cross(up.as_dvec3().normalize()).length() < LEAST_TURN {
+                return Err(format!("the projector's up {up} is parallel to its direction {direction}"));
+            }
+            if !(LEAST_FOV..PI).contains(&fov) {
+                return Err(format!(
+                    "the projector's field of view is {fov}; it must be at least {LEAST_FOV} and less than π radians"
                 ));
             }
         }
@@ -235,6 +303,11 @@ impl Scene {
     /// Returns whether the brightness of some light depends on distance or direction.
     pub(crate) fn has_fading_lights(&self) -> bool {
         self.lights.iter().any(Light::is_fading)
+    }
+
+    /// Returns whether some light projects a picture.
+    pub(crate) fn has_projectors(&self) -> bool {
+        self.lights.iter().any(|light| light.projector.is_some())
     }
 
     /// Returns the lights that are not points, with their indices.

@@ -26,7 +26,7 @@ pub(crate) mod texture;
 
 pub(crate) use ellipsoid::ToSphere;
 pub use ellipsoid::{Ellipsoid, MAX_ASPECT, MIN_SEMI_AXIS};
-pub use light::{Cone, Falloff, Light, LightShape, MAX_SOFT_LIGHTS};
+pub use light::{Cone, Falloff, Light, LightShape, MAX_SOFT_LIGHTS, Projector};
 pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
 pub use plane::{MAX_PLANES, PLANE_REACH, Plane};

@@ -47,6 +47,7 @@ mod passes;
 mod paths;
 mod planes;
 mod ply;
+mod projector;
 mod prose;
 mod rays;
 mod rooms;

@@ -242,6 +242,12 @@ export interface Light {
     falloff?: "none" | "quadratic";
     /** Cone of a spot light: its axis, and angles in radians of full and of no brightness, 0 <= inner < outer <= pi/2. */
     cone?: { direction: Vector; inner: number; outer: number };
+    /**
+     * Picture that a point light projects. `texture` is an id of `addTexture`, whose linear colour multiplies the
+     * intensity. `direction` leads to the picture's middle, `up` is up in it, and `fov` is the full horizontal field of
+     * view in radians, 0.001 <= fov < pi.
+     */
+    projector?: { texture: number; direction: Vector; up: Vector; fov: number };
 }
 
 /** Triangles. Lists have one entry for each vertex, as in glTF and three.js. */

@@ -161,8 +161,8 @@ impl Scene {
         Ok(self.shared.change(|scene| scene.add_material(material)).0)
     }
 
-    /// Adds a texture for materials and returns its id. `wrap` is for texture coordinates outside 0 to 1. `data` says
-    /// that the image holds linear numbers, such as roughness or normals, and not colours.
+    /// Adds a texture for materials and projectors, and returns its id. `wrap` is for texture coordinates outside 0 to
+    /// 1. `data` says that the image holds linear numbers, such as roughness or normals, and not colours.
     #[wasm_bindgen(js_name = addTexture)]
     pub fn add_texture(
         &self,
@@ -430,6 +430,7 @@ struct GivenLight {
     radius: Option<f32>,
     falloff: Option<GivenFalloff>,
     cone: Option<GivenCone>,
+    projector: Option<GivenProjector>,
 }
 
 #[derive(Deserialize)]
@@ -446,6 +447,14 @@ struct GivenCone {
     outer: f32,
 }
 
+#[derive(Deserialize)]
+struct GivenProjector {
+    texture: u32,
+    direction: [f32; 3],
+    up: [f32; 3],
+    fov: f32,
+}
+
 fn light_of(given: &GivenLight) -> Light {
     let (position, intensity) = (DVec3::from_array(given.position), Vec3::from_array(given.intensity));
     let mut light =
@@ -455,6 +464,9 @@ fn light_of(given: &GivenLight) -> Light {
     }
     if let Some(GivenCone { direction, inner, outer }) = given.cone {
         light = light.with_cone(Vec3::from_array(direction), inner, outer);
+    }
+    if let Some(GivenProjector { texture, direction, up, fov }) = given.projector {
+        light = light.with_projector(TextureId(texture), Vec3::from_array(direction), Vec3::from_array(up), fov);
     }
     light
 }

@@ -62,7 +62,7 @@ pub(super) fn read(
         }
         let light = light_of(description, kind, place);
         light
-            .check(scene.origin())
+            .check(scene.origin(), scene.textures().len())
             .map_err(|reason| document.fault(format!("lights[{index}] at nodes[{node}]: {reason}")))?;
         let distance = place.translation.distance(middle).max(nearest);
         total += color * strength / if kind == Type::Directional { 1.0 } else { distance * distance };

@@ -227,6 +227,7 @@ pub(super) fn variants() -> Vec<Variant> {
             // light, and 5 for sky light with extended lights. In some variants lights cast no shadows.
             soft_lights: soft % 2 == 1,
             fading: light > 0 && (light + soft) % 2 == 1,
+            projectors: light > 0 && (light + soft) % 3 == 1,
             casts: soft == 0 || light % 2 == 1,
             shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
             occlusion_rays: if soft > 1 { 32 } else { 0 },

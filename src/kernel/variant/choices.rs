@@ -12,7 +12,7 @@ use crate::{
 
 impl Kernel {
     /// Returns the value of each choice in shared WGSL.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 36] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 37] {
         let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
@@ -133,6 +133,7 @@ impl Kernel {
             ("sky", sky),
             ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),
             ("fading", if with.fading { "some" } else { "none" }),
+            ("projectors", if with.projectors { "some" } else { "none" }),
             ("shadows", shadows),
             ("shadow_buffer", with.shadow_buffer.map_or("none", |reading| reading.rule)),
             ("soft", soft),
@@ -183,7 +184,7 @@ impl Kernel {
             number("MATERIAL_TEXELS", material_texels(with.shine || with.mirrors, with.principled, with.coats) as u32),
             flag("COATS", with.coats && with.paths),
             number("PRIMITIVE_TEXELS", count as u32),
-            number("LIGHT_TEXELS", light_texels(with.soft_lights, with.fading) as u32),
+            number("LIGHT_TEXELS", light_texels(with.soft_lights, with.fading, with.projectors) as u32),
             flag("CASTS", with.casts),
             flag("KEEP_SHARES", shares),
             number("LIGHT_RAYS", shadow_rays),

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 use stereotrace::{
-    Animation, SceneOptions,
+    Animation, SceneOptions, TextureId,
     glam::{Affine3A, DMat4, DQuat, DVec3, Mat4, Quat, Vec3},
 };
 
@@ -113,6 +113,7 @@ fn children_lights_and_cameras_move_with_their_nodes() {
     let before = corners(&file.scene);
     let animation = file.animations[0].clone();
     assert_eq!((animation.name(), still), ("rotation", 0));
+    file.scene.lights[0] = file.scene.lights[0].with_projector(TextureId(0), Vec3::X, Vec3::Z, 1.0);
     animation.pose(&mut file.scene, 2.0).unwrap();
     let turn = Quat::from_rotation_y(1.0);
     let after = corners(&file.scene);
@@ -123,6 +124,9 @@ fn children_lights_and_cameras_move_with_their_nodes() {
     let light = &file.scene.lights[0];
     assert_near(light.position.as_vec3(), turn * Vec3::X);
     assert_near(light.cone.unwrap().direction, turn * -Vec3::Z);
+    let projector = light.projector.unwrap();
+    assert_near(projector.direction, turn * -Vec3::Z);
+    assert_near(projector.up, Vec3::Y);
     let rest = file.cameras[0].1;
     let camera = animation.cameras(2.0).unwrap()[0];
     assert_eq!(animation.cameras(0.0).unwrap(), [rest]);
