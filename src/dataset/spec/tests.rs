@@ -100,7 +100,9 @@ fn lenses_that_cannot_be_rendered_are_refused_by_key() {
     assert!(with(r#""format": "kitti""#).contains("the pairs of kitti are rectified"));
     assert!(with(r#""outputs": ["disparity"]"#).contains("use match and match_visibility"));
     assert!(with(r#""outputs": ["layer_depth"]"#).contains("use match and match_visibility"));
-    assert!(with(r#""motion": {}"#).contains("motion: it needs disparities"));
+    let rolling = r#""motion": {"rolling": {"readout": 1}}, "outputs": ["color"]"#;
+    assert!(with(rolling).contains("motion.rolling: its bands are for planar"));
+    spec(r#""rig": {"lens": {"fx": 400}}, "motion": {}, "outputs": ["flow"]"#).unwrap();
     // Pairs without a lens have matches too.
     spec(r#""outputs": ["match", "left.match_visibility"]"#).unwrap();
 }
