@@ -20,6 +20,8 @@ mod maker;
 mod motion;
 mod poses;
 #[cfg(feature = "dataset")]
+mod projector;
+#[cfg(feature = "dataset")]
 mod rolling;
 #[cfg(feature = "dataset")]
 mod sensor;

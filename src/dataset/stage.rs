@@ -10,6 +10,7 @@ use super::{
     generate::{self, Assets, generate},
     motion::{move_objects, moved_camera},
     poses::{FreePoses, RandomPose},
+    projector::{self, Projector},
     spec::{
         CameraEntry, LightEntry, Lights, Motion, OriginEntry, Poses, RandomLights, RandomMaterials, SkyEntry, Source,
         Spec,
@@ -17,7 +18,7 @@ use super::{
 };
 use crate::{
     Animation, Builtin, CameraPath, Error, Light, Material, MaterialId, MissingTextures, Origin, OutsideFiles,
-    Projection, Renderer, Scene, SceneFile, SceneOptions, Sky, SkyMap, StereoCamera, Update, UploadedScene,
+    Projection, Renderer, Scene, SceneFile, SceneOptions, Sky, SkyMap, StereoCamera, TextureId, Update, UploadedScene,
     camera::{HUMAN_INTERAXIAL, Intrinsics},
     scene::content::hex,
 };
@@ -58,6 +59,10 @@ pub(super) struct Stage {
     pub(super) made_for: Option<[u32; 2]>,
     /// Eye and target of the cameras that a generated scene proposes.
     views: Vec<[DVec3; 2]>,
+    /// Picture of the rig's projector.
+    picture: Option<TextureId>,
+    /// The rig's projector, whose light is the scene's last one.
+    projector: Option<Projector>,
 }
 
 impl Stage {
@@ -83,6 +88,8 @@ impl Stage {
             has_changed: false,
             made_for: None,
             views: Vec::new(),
+            picture: None,
+            projector: None,
         }
     }
 
@@ -101,7 +108,7 @@ impl Stage {
         stage.cameras = vec![("generated".into(), made.camera)];
         stage.made_for = Some([draws.item, draws.attempt]);
         stage.views = made.views;
-        stage.set_sky(spec, index)?;
+        stage.set_pictures(spec, index)?;
         Ok(stage)
     }
 
@@ -135,15 +142,16 @@ impl Stage {
                 Self { cameras, animations, ..Self::of(scene) }
             }
         };
-        stage.set_sky(spec, index)?;
+        stage.set_pictures(spec, index)?;
         if !stage.animations.is_empty() {
             stage.digest = Some(stage.sha256(spec, index)?);
         }
         Ok(stage)
     }
 
-    /// Sets the sky that the spec gives for the scene.
-    fn set_sky(&mut self, spec: &Spec, index: usize) -> Result<(), Error> {
+    /// Sets the sky that the spec gives for the scene, and adds the picture of the rig's projector.
+    fn set_pictures(&mut self, spec: &Spec, index: usize) -> Result<(), Error> {
+        self.picture = projector::picture(spec)?.map(|picture| self.scene.add_texture(picture));
         match &spec.scenes[index].sky {
             Some(SkyEntry::Color(color)) => self.scene.sky = Sky::Constant(vector(*color)),
             Some(SkyEntry::Named(name)) if name == "procedural" => {
@@ -205,27 +213,31 @@ impl Stage {
         camera: StereoCamera,
         time: f64,
     ) -> Result<StereoCamera, Error> {
-        if self.animation(motion)?.is_some() || motion.objects.is_some() {
-            self.move_scene(renderer, motion, draws, time).await?;
-        }
-        match path {
-            None => moved_camera(camera, &motion.camera, draws, time),
+        let there = match path {
+            None => moved_camera(camera, &motion.camera, draws, time)?,
             Some(path) => {
                 let there = path.at((f64::from(draws.item) + time) as f32);
-                Ok(camera.eye(there.eye_position()).target(there.target_position()).up(there.up_direction()))
+                camera.eye(there.eye_position()).target(there.target_position()).up(there.up_direction())
             }
+        };
+        if self.animation(motion)?.is_some() || motion.objects.is_some() || self.projector.is_some() {
+            self.move_scene(renderer, motion, draws, (time, &there)).await?;
         }
+        Ok(there)
     }
 
-    /// Moves animated and drawn objects to a time, and uploads the scene.
+    /// Moves animated and drawn objects and the projector to a time, and uploads the scene.
     async fn move_scene(
         &mut self,
         renderer: &Renderer,
         motion: &Motion,
         draws: &Draws,
-        time: f64,
+        (time, camera): (f64, &StereoCamera),
     ) -> Result<(), Error> {
         let mut scene = self.scene.clone();
+        if let (Some(projector), Some(light)) = (&self.projector, scene.lights.last_mut()) {
+            *light = projector.at(&camera.pose()?);
+        }
         if let Some(animation) = self.animation(motion)? {
             let step = draws.draw(&motion.step, "motion.step");
             animation.pose(&mut scene, Self::time(motion, animation, draws) + time * step)?;
@@ -449,7 +461,7 @@ impl Stage {
         draws: &Draws,
         camera: &StereoCamera,
     ) -> Result<(), Error> {
-        let entry = &spec.scenes[index];
+        let (entry, of_item) = (&spec.scenes[index], draws);
         let draws = &spec.scene_draws(draws);
         let lights = match (&spec.randomise.lights, &entry.lights) {
             (Some(random), _) => self.drawn_lights(random, draws, camera)?,
@@ -458,6 +470,12 @@ impl Stage {
             (None, None) if self.lights.is_empty() => self.scene.lights_around(DEFAULT_LIGHTS, camera)?,
             (None, None) => self.lights.clone(),
         };
+        let mut lights = lights;
+        if let (Some(entry), Some(picture)) = (&spec.rig.projector, self.picture) {
+            let projector = Projector::drawn(entry, of_item, picture);
+            lights.push(projector.at(&camera.pose()?));
+            self.projector = Some(projector);
+        }
         let drawn = spec.randomise.ambient.as_ref().map(|value| [draws.draw(value, "ambient"); 3]);
         let ambient = drawn.or(entry.ambient).map(vector).or(self.ambient);
         self.has_changed |= lights != self.scene.lights || ambient != self.scene.ambient;
@@ -573,7 +591,7 @@ fn material(random: &RandomMaterials, draws: &Draws, place: usize, own: &Materia
 pub(super) fn generator_sha256(spec: &Spec, index: usize, assets: &Assets) -> Result<String, Error> {
     let entry = &spec.scenes[index];
     let mut sky = Stage::of(Scene::new());
-    sky.set_sky(spec, index)?;
+    sky.set_pictures(spec, index)?;
     let options = (&entry.source, &entry.camera);
     let options = serde_json::to_string(&options)
         .map_err(|error| Error::Spec { key: format!("scenes[{index}]"), reason: error.to_string() })?;

@@ -103,7 +103,7 @@ mod made {
 
     use serde_json::json;
     use stereotrace::{
-        Builtin, CameraPath, Error, Limits, Method, Options, Renderer, StereoCamera,
+        Builtin, CameraPath, Error, Limits, Method, Occlusion, Options, Renderer, StereoCamera,
         blocking::Wait,
         dataset::{MadePair, PairMaker, Spec},
         glam::DQuat,
@@ -262,6 +262,64 @@ mod made {
         let mut spec = serde_json::from_str(MOVING).unwrap();
         change(&mut spec);
         made(&mut of_spec(&spec.to_string()), renderer, 0).unwrap()
+    }
+
+    #[test]
+    fn a_projector_moves_with_the_cameras_and_both_eyes_see_its_dots() {
+        let mut renderer = renderer();
+        let dark = |spec: &mut serde_json::Value| {
+            spec["scenes"] = json!([{"builtin": "near", "lights": 0, "ambient": 0}]);
+            spec["outputs"] = json!(["color", "disparity", "occlusion"]);
+            spec["size"] = json!([96, 64]);
+            spec["render"] = json!({"samples": 16});
+        };
+        let projector = json!({"intensity": 30, "fov": 60, "offset": [0.05, 0.1, 0], "dots": 120, "size": [192, 128]});
+        let lit = |spec: &mut serde_json::Value| {
+            dark(spec);
+            spec["rig"]["projector"] = projector.clone();
+        };
+        let made_pair = changed(&mut renderer, lit);
+        let unlit = changed(&mut renderer, dark);
+        assert!(unlit.pair.left.rgba8.iter().all(|pixel| pixel[..3] == [0; 3]));
+        let truth = made_pair.truth.as_ref().unwrap();
+        let grey = |pixel: [u8; 4]| i32::from(pixel[0]) + i32::from(pixel[1]) + i32::from(pixel[2]);
+        let (left, right) = (&made_pair.pair.left.rgba8, &made_pair.pair.right.rgba8);
+        let bright = left.iter().filter(|pixel| grey(**pixel) > 150).count();
+        assert!((100..3000).contains(&bright), "{bright}");
+        // Carried by their disparities, the dots of the right picture are those of the left one.
+        let seen = || (0..left.len()).filter(|&pixel| truth.left.occlusion[pixel] == Occlusion::Visible);
+        let apart = |shift: f32| {
+            let of = |pixel: usize| {
+                let column = (pixel % 96) as f32 + 0.5 - shift * truth.left.disparity[pixel];
+                let there = pixel / 96 * 96 + (column.max(0.0) as usize).min(95);
+                i64::from((grey(left[pixel]) - grey(right[there])).abs())
+            };
+            seen().map(of).sum::<i64>() / seen().count() as i64
+        };
+        assert!(2 * apart(1.0) < apart(0.0), "{} {}", apart(1.0), apart(0.0));
+        // The next pair is that of a camera which stands there from the start.
+        let mut spec: serde_json::Value = serde_json::from_str(MOVING).unwrap();
+        lit(&mut spec);
+        spec["motion"].as_object_mut().unwrap().remove("objects");
+        let moved = made(&mut of_spec(&spec.to_string()), &mut renderer, 0).unwrap();
+        let mut there = of_spec(&spec.to_string());
+        let camera = moved.next.as_ref().unwrap().camera;
+        let again = there.pair_from(&mut renderer, 0, camera, &mut |_| ControlFlow::Continue(())).wait().unwrap();
+        assert!(again.pair.left.rgba8 == moved.next.as_ref().unwrap().pair.left.rgba8);
+        assert!(again.pair.left.rgba8 != moved.pair.left.rgba8);
+        for (keys, text) in [
+            (json!({}), "rig.projector.intensity"),
+            (json!({"intensity": 1, "dots": 90_000}), "dots: 90000 dots in 1280x800 pixels"),
+            (json!({"intensity": 1, "dots": 9, "picture": "a.png"}), "rig.projector: picture takes the place of dots"),
+            (json!({"intensity": 1, "fov": 180}), "rig.projector.fov: 180"),
+        ] {
+            spec["rig"]["projector"] = keys;
+            let message = Spec::from_json(&spec.to_string(), ".").unwrap_err().to_string();
+            assert!(message.contains(text), "{message}");
+        }
+        spec["rig"]["projector"] = json!({"intensity": 1, "picture": "no/such.png"});
+        let message = made(&mut of_spec(&spec.to_string()), &mut renderer, 0).unwrap_err().to_string();
+        assert!(message.contains("no/such.png"), "{message}");
     }
 
     #[test]

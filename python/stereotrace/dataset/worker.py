@@ -31,7 +31,8 @@ MOST_FILES = 10_000
 
 
 def scene_files(spec: Spec, scene: int, leave_out: Path | None = None) -> str | None:
-    """Returns a hash of names, sizes and times of a scene's files: those in its folders and below, and its sky.
+    """Returns a hash of names, sizes and times of a scene's files: those in its folders and below, its sky, and the
+    picture of the rig's projector.
 
     Returns ``None`` if a file can't be inspected or there are too many. ``leave_out`` is a folder to skip, such as the
     data set's own."""
@@ -46,6 +47,8 @@ def scene_files(spec: Spec, scene: int, leave_out: Path | None = None) -> str | 
                     return None
         if isinstance(sky, str) and sky != "procedural":
             found.append(_stamp(spec.folder / sky))
+        if "picture" in (projector := spec["rig"].get("projector", {})):
+            found.append(_stamp(spec.folder / projector["picture"]))
         if path is not None:
             _stamp(path)
     except OSError:

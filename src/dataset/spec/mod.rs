@@ -3,6 +3,7 @@
 mod array;
 mod fields;
 mod lens;
+mod projector;
 mod read;
 
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
-pub(super) use self::{array::CameraArray, lens::LensEntry};
+pub(super) use self::{array::CameraArray, lens::LensEntry, projector::ProjectorEntry};
 use super::{
     Layout,
     draws::{Drawn, Draws},
@@ -668,6 +669,8 @@ pub(super) struct Rig {
     pub(super) lens: Option<LensEntry>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) array: Option<CameraArray>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) projector: Option<ProjectorEntry>,
     #[serde(flatten)]
     pub(super) around: Option<AroundEntry>,
 }

@@ -15,6 +15,7 @@ use super::{
         text, whole, within,
     },
     lens,
+    projector::projector,
 };
 use crate::{
     Builtin, CameraPath, Channel, Error, Layering, Lighting, Limits, Maker, Method, MotionBlur, Options, PoleMerge,
@@ -453,6 +454,7 @@ fn rig(value: &Value, at: &str) -> Result<Rig, Error> {
         cy: fields.get("cy", drawn(finite))?,
         lens: fields.get("lens", lens::lens)?,
         array: fields.get("array", camera_array)?,
+        projector: fields.get("projector", projector)?,
     };
     fields.end()?;
     lens::check_alone(&found, &fields)?;
