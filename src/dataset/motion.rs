@@ -39,8 +39,13 @@ pub(super) fn moved_camera(
 }
 
 /// Moves some of the scene's objects, each in a drawn direction and about a drawn axis through its middle, by a share
-/// of the drawn motion. The share is 1 at the next pair.
-pub(super) fn move_objects(scene: &mut Scene, motion: &ObjectMotion, draws: &Draws, share: f64) -> Result<(), Error> {
+/// of the drawn motion. The share is 1 at the next pair. Objects that can't move stay; without a list, all can.
+pub(super) fn move_objects(
+    scene: &mut Scene,
+    (motion, can_move): (&ObjectMotion, &[bool]),
+    draws: &Draws,
+    share: f64,
+) -> Result<(), Error> {
     let boxes = scene.object_boxes();
     let whole = scene.bounds().map_or(0.0, |(low, high)| low.distance(high));
     for (object, bounds) in (0..).zip(boxes) {
@@ -48,7 +53,7 @@ pub(super) fn move_objects(scene: &mut Scene, motion: &ObjectMotion, draws: &Dra
         let Some((low, high)) = bounds.filter(|(low, high)| f64::from(low.distance(*high)) <= LARGEST * whole) else {
             continue;
         };
-        if draws.unit(&name("share")) >= motion.share {
+        if can_move.get(object as usize) == Some(&false) || draws.unit(&name("share")) >= motion.share {
             continue;
         }
         let (distance, angle) =

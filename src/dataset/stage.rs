@@ -59,6 +59,8 @@ pub(super) struct Stage {
     pub(super) made_for: Option<[u32; 2]>,
     /// Eye and target of the cameras that a generated scene proposes.
     views: Vec<[DVec3; 2]>,
+    /// For each object of a generated scene, whether it can move.
+    can_move: Vec<bool>,
     /// Picture of the rig's projector.
     picture: Option<TextureId>,
     /// The rig's projector, whose light is the scene's last one.
@@ -88,6 +90,7 @@ impl Stage {
             has_changed: false,
             made_for: None,
             views: Vec::new(),
+            can_move: Vec::new(),
             picture: None,
             projector: None,
         }
@@ -107,7 +110,7 @@ impl Stage {
         let mut stage = Self::of(made.scene);
         stage.cameras = vec![("generated".into(), made.camera)];
         stage.made_for = Some([draws.item, draws.attempt]);
-        stage.views = made.views;
+        (stage.views, stage.can_move) = (made.views, made.can_move);
         stage.set_pictures(spec, index)?;
         Ok(stage)
     }
@@ -243,7 +246,7 @@ impl Stage {
             animation.pose(&mut scene, Self::time(motion, animation, draws) + time * step)?;
         }
         if let Some(objects) = &motion.objects {
-            move_objects(&mut scene, objects, draws, time)?;
+            move_objects(&mut scene, (objects, &self.can_move), draws, time)?;
         }
         let there = self.next.take().filter(|(_, uploaded)| uploaded.belongs_to(renderer.gpu()).is_ok());
         let uploaded = match there {

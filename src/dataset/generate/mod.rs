@@ -55,6 +55,8 @@ pub(super) struct Generated {
     pub(super) camera: StereoCamera,
     /// Eye and target of cameras in free space, world positions.
     pub(super) views: Vec<[DVec3; 2]>,
+    /// For each object, whether it can move. Walls, the ground and grass stay.
+    pub(super) can_move: Vec<bool>,
 }
 
 /// Shares of objects with special materials, 0 to 1.
@@ -74,6 +76,8 @@ struct World<'a> {
     mesh_size: [f32; 2],
     /// High corner of the room, whose low corner is the origin.
     limits: Vec3,
+    /// For each object, whether it can move.
+    can_move: Vec<bool>,
 }
 
 /// Generates the scene of an item.
@@ -92,6 +96,7 @@ pub(super) fn generate(options: &Generate, assets: &Assets, draws: &Draws) -> Re
         dice: Dice::new(draws, "generate.scene"),
         mesh_size: size.map_or([0.0; 2], |size| [size; 2]),
         limits: Vec3::INFINITY,
+        can_move: Vec::new(),
     };
     let views = match options.kind {
         SceneKind::Rooms => rooms::build(&mut world, objects)?,
@@ -109,21 +114,23 @@ pub(super) fn generate(options: &Generate, assets: &Assets, draws: &Draws) -> Re
         .vertical_fov_degrees(dice.between(40.0, 64.0))
         .interaxial(dice.log_between(low, high))
         .screen_distance(f32::INFINITY);
-    Ok(Generated { scene: world.palette.scene, camera, views })
+    Ok(Generated { scene: world.palette.scene, camera, views, can_move: world.can_move })
 }
 
 impl World<'_> {
-    /// Adds an object, without a test for overlap.
+    /// Adds a part of the surroundings, without a test for overlap.
     fn add(&mut self, name: &str, form: &Form, transform: &Affine3A, paints: &[Paint]) -> Result<(), Error> {
+        self.can_move.push(false);
         self.palette.scene.add_mesh(&form.mesh(name, transform, paints))
     }
 
-    /// Adds an object if it overlaps no other one. Returns whether it was added.
+    /// Adds an object that can move, if it overlaps no other one. Returns whether it was added.
     fn put(&mut self, name: &str, form: &Form, transform: &Affine3A, paints: &[Paint]) -> Result<bool, Error> {
         let solid = Solid::of(form, transform);
         let is_free = self.placed.is_free(&solid);
         if is_free {
-            self.add(name, form, transform, paints)?;
+            self.can_move.push(true);
+            self.palette.scene.add_mesh(&form.mesh(name, transform, paints))?;
             self.placed.solids.push(solid);
         }
         Ok(is_free)

@@ -52,7 +52,12 @@ fn every_kind_gives_valid_scenes_whose_objects_do_not_overlap() {
     for (kind, fewest) in [("rooms", 15), ("floating", 8), ("outdoors", 12)] {
         let spec = options(&format!("\"{kind}\""));
         for item in 0..100 {
-            let Generated { scene, views, camera } = made(&spec, item, 0);
+            let Generated { scene, views, camera, can_move } = made(&spec, item, 0);
+            assert_eq!(can_move.len(), scene.object_count(), "{kind} {item}");
+            for (object, can_move) in (0..).zip(can_move) {
+                let name = scene.object_name(object);
+                assert_eq!(can_move, !BACKGROUND.contains(&name), "{kind} {item}: {name}");
+            }
             scene.check().unwrap_or_else(|error| panic!("{kind} {item}: {error}"));
             assert!((2_000..140_000).contains(&scene.triangles().len()), "{kind} {item}: {}", scene.triangles().len());
             assert!((fewest..700).contains(&scene.object_count()), "{kind} {item}: {}", scene.object_count());
