@@ -434,7 +434,12 @@ impl Stage {
             poses = poses.surfaces(share as f32);
         }
         let views = self.views_for(spec, draws);
-        if spec.scenes[index].camera.is_none() && !views.is_empty() {
+        if spec.scenes[index].camera.is_none() && self.made_for.is_some() {
+            if views.is_empty() {
+                // Elsewhere in its box, a camera may be below the ground.
+                let reason = "the generated scene has no free place for a camera".into();
+                return Err(Error::Options { option: "poses", reason });
+            }
             poses = poses.among(&views).surfaces(surfaces.unwrap_or(VIEW_SURFACES) as f32);
         }
         poses.find(renderer, self.uploaded()?, draws.item).await

@@ -264,6 +264,17 @@ mod made {
         made(&mut of_spec(&spec.to_string()), renderer, 0).unwrap()
     }
 
+    /// Elsewhere in the box of an outdoor scene, a camera may be below the ground.
+    #[test]
+    fn scenes_without_a_place_for_a_camera_are_drawn_again() {
+        let text = r#"{"pairs": 10000, "seed": 5, "size": [64, 48],
+            "scenes": [{"generate": "rooms"}, {"generate": "floating"}, {"generate": "outdoors"}]}"#;
+        let mut renderer = renderer();
+        let record = made(&mut of_spec(text), &mut renderer, 7133).unwrap().record;
+        assert_eq!(record.rejects, ["the generated scene has no free place for a camera"]);
+        assert!(record.eye[0].hypot(record.eye[2]) < 15.0, "{:?}", record.eye);
+    }
+
     #[test]
     fn a_projector_moves_with_the_cameras_and_both_eyes_see_its_dots() {
         let mut renderer = renderer();

@@ -85,7 +85,7 @@ impl<'a> Palette<'a> {
     /// closed objects can be glass.
     pub(super) fn object(&mut self, stuff: Stuff, is_closed: bool) -> Result<Paint, Error> {
         let kind = self.dice.unit();
-        let Shares { metals, glass, mirrors } = self.shares;
+        let Shares { metals, glass, mirrors, .. } = self.shares;
         if kind < mirrors {
             return Ok(self.mirror());
         }
@@ -128,7 +128,9 @@ impl<'a> Palette<'a> {
         let plain = may_be_plain && matches!(stuff, Stuff::Ceramic | Stuff::Any) && self.dice.chance(0.15);
         let mut material = Material::new(Vec3::ONE);
         let takes_pictures = !matches!(stuff, Stuff::Grass | Stuff::Soil | Stuff::Bark | Stuff::Ceiling);
-        if takes_pictures && self.assets.has_textures() && self.dice.chance(PICTURES) {
+        if self.shares.plain > 0.0 && self.dice.chance(self.shares.plain) {
+            material.albedo = self.color(stuff);
+        } else if takes_pictures && self.assets.has_textures() && self.dice.chance(PICTURES) {
             material = material.texture(self.picture()?);
         } else if plain || (may_be_plain && self.made >= MOST_TEXTURES) {
             material.albedo = self.color(stuff);

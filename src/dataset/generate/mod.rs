@@ -65,6 +65,8 @@ struct Shares {
     metals: f32,
     glass: f32,
     mirrors: f32,
+    /// Share of surfaces that have one colour in place of a pattern.
+    plain: f32,
 }
 
 /// A scene under construction.
@@ -87,6 +89,7 @@ pub(super) fn generate(options: &Generate, assets: &Assets, draws: &Draws) -> Re
         metals: share(&options.metals, "metals"),
         glass: share(&options.glass, "glass"),
         mirrors: share(&options.mirrors, "mirrors"),
+        plain: options.plain.as_ref().map_or(0.0, |plain| share(plain, "plain")),
     };
     let objects = options.objects.as_ref().map(|objects| draws.draw(objects, "generate.objects") as usize);
     let size = options.mesh_size.as_ref().map(|size| draws.draw(size, "generate.mesh_size") as f32);

@@ -102,6 +102,11 @@ fn shares_and_counts_are_those_of_the_spec() {
     let is_glass: fn(&Material) -> bool = |material| matches!(material.finish, crate::Finish::Glass { .. });
     assert_eq!(count(r#"{"kind": "floating", "glass": 0}"#, is_glass), 0);
     assert!(count(r#"{"kind": "floating", "glass": 1, "mirrors": 0}"#, is_glass) > 5);
+    let is_textured: fn(&Material) -> bool = |material| material.texture.is_some();
+    let [some, none] =
+        ["0", "1"].map(|plain| count(&format!(r#"{{"kind": "rooms", "plain": {plain}, "metals": 0}}"#), is_textured));
+    // Posters, leaves, books and the like keep their pictures.
+    assert!(some > 12 && none < some / 2, "{some} {none}");
     let objects = |count: u32| {
         let spec = options(&format!(r#"{{"kind": "floating", "objects": {count}}}"#));
         made(&spec, 2, 0).scene.object_count()

@@ -507,7 +507,7 @@ pub(super) enum Source {
         origin: Option<OriginEntry>,
     },
     Generate {
-        generate: Generate,
+        generate: Box<Generate>,
     },
 }
 
@@ -552,6 +552,9 @@ pub(super) struct Generate {
     pub(super) metals: Drawn<f64>,
     pub(super) glass: Drawn<f64>,
     pub(super) mirrors: Drawn<f64>,
+    /// Share of surfaces that have one colour in place of a pattern.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) plain: Option<Drawn<f64>>,
 }
 
 fn by_name<S: Serializer>(builtin: &Builtin, serializer: S) -> Result<S::Ok, S::Error> {

@@ -271,7 +271,7 @@ fn scene(value: &Value, at: &str) -> Result<SceneEntry, Error> {
             }
             match (builtin, generate) {
                 (Some(builtin), _) => Source::Builtin { builtin },
-                (None, Some(generate)) => Source::Generate { generate },
+                (None, Some(generate)) => Source::Generate { generate: Box::new(generate) },
                 (None, None) => return fault(at, NO_SOURCE),
             }
         }
@@ -301,6 +301,7 @@ fn generate(value: &Value, at: &str) -> Result<Generate, Error> {
         metals: share("metals")?.unwrap_or(usual(0.2)),
         glass: share("glass")?.unwrap_or(usual(0.12)),
         mirrors: share("mirrors")?.unwrap_or(usual(0.06)),
+        plain: share("plain")?,
     };
     fields.end()?;
     match found.mesh_size {
