@@ -41,7 +41,7 @@ pub use pair_rows::{Combination, PairRows};
 pub use png_rows::PngRows;
 pub use quilt::{quilt, quilt_name};
 pub use remap::Remap;
-#[cfg(all(feature = "png", feature = "dataset"))]
+#[cfg(feature = "png")]
 pub(crate) use truth_png::SINTEL_DISPARITIES;
 
 use crate::{StereoPair, View};
