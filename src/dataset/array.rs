@@ -1,22 +1,22 @@
 //! Pairs of an array of cameras.
 
 use super::{
-    draws::Draws,
-    maker::{ArrayPair, truths_of},
-    spec::{CameraArray, Spec},
+    instant::truths_of,
+    maker::{ArrayPair, Shown, Take},
+    spec::CameraArray,
     stage::Stage,
 };
-use crate::{Error, OnProgress, Options, Renderer, Rig, StereoCamera, Views};
+use crate::{Error, OnProgress, Renderer, Rig, Views};
 
-/// Renders the cameras of an array, row by row, and returns its pairs with their ground truth.
-pub(super) async fn pairs_of(
+/// Renders the cameras of an array, row by row, and their pairs with ground truth. The first pair is the item's.
+pub(super) async fn shown(
     renderer: &mut Renderer,
-    (stage, spec): (&Stage, &Spec),
+    stage: &Stage,
+    take: &Take<'_>,
     array: &CameraArray,
-    (draws, options): (&Draws, &Options),
-    (camera, needs_truth): (StereoCamera, bool),
     progress: &mut OnProgress<'_>,
-) -> Result<Vec<ArrayPair>, Error> {
+) -> Result<Shown, Error> {
+    let Take { spec, draws, options, camera, .. } = *take;
     let interaxial = f64::from(camera.pose()?.interaxial);
     let (offsets, heights) = (array.offsets(), array.heights());
     let mut rows: Vec<Views> = Vec::with_capacity(heights.len());
@@ -32,16 +32,19 @@ pub(super) async fn pairs_of(
         }
         rows.push(row);
     }
-    let mut found = Vec::new();
+    let mut pairs = Vec::new();
     for cameras in array.pairs() {
         let [[row, column], [other_row, other_column]] = cameras.map(|camera| array.place(camera));
-        let pair = match array.is_vertical(cameras) {
-            false => rows[row].pair(column, other_column)?,
-            true => rows[row].pair_below(column, (&rows[other_row], other_column))?,
+        let pair = match row == other_row {
+            true => rows[row].pair(column, other_column)?,
+            false => rows[row].pair_below(column, (&rows[other_row], other_column))?,
         };
-        let truths = truths_of(renderer, (spec, false, needs_truth), (&stage.scene, stage.uploaded()?), &pair).await?;
+        let truths = truths_of(renderer, (take, false), (&stage.scene, stage.uploaded()?), &pair).await?;
         let camera = pair.pose.camera()?;
-        found.push(ArrayPair { cameras, camera, pair, truth: truths.truth, layers: truths.layers });
+        pairs.push(ArrayPair { cameras, camera, pair, truth: truths.truth, layers: truths.layers });
     }
-    Ok(found)
+    let Some(ArrayPair { camera, pair, truth, layers, .. }) = pairs.first().cloned() else {
+        unreachable!("each camera is in a pair");
+    };
+    Ok(Shown { camera, pair, truth, layers, matches: None, next: None, array: pairs })
 }

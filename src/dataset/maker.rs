@@ -9,13 +9,14 @@ use super::{
     draws::Draws,
     figures::{percentiles, thin_count},
     generate::Assets,
+    instant,
     poses::RandomPose,
-    rolling, shutter,
+    rolling,
     stage::{Stage, generator_sha256},
 };
 use crate::{
-    Channel, Correspondence, Error, Flow, GroundTruth, Layers, Maker, Moment, MotionBlur, Occlusion, OnProgress,
-    Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene,
+    Channel, Correspondence, Error, Flow, GroundTruth, Layers, Maker, Occlusion, OnProgress, Options, Renderer, Scene,
+    StereoCamera, StereoPair, UploadedScene,
 };
 
 /// Default memory in bytes for the scenes that are kept.
@@ -351,59 +352,16 @@ impl PairMaker {
         }
         let options = options_of(spec, draws, &channels)?;
         let needs_truth = channels.iter().any(|channel| channel.maker() == Maker::GroundTruth);
-        if let Some(array) = &spec.rig.array {
-            let of = (&*stage, spec);
-            let pairs =
-                array::pairs_of(renderer, of, array, (draws, &options), (camera, needs_truth), progress).await?;
-            let Some(first) = pairs.first().cloned() else { unreachable!("an array has pairs") };
-            let record = record(item, spec.scene_name(index), &first.pair, first.truth.as_ref());
-            let ArrayPair { camera, pair, truth, layers, .. } = first;
-            return Ok(MadePair { pair, truth, layers, matches: None, camera, record, next: None, array: pairs });
-        }
-        let rolled = rolling::pair(renderer, (stage, spec), (draws, &options), (camera, needs_truth), progress).await?;
-        if let Some((mut pair, truth)) = rolled {
-            if let Some(sensor) = &spec.sensor {
-                sensor.expose(&mut pair, &options, draws, "first");
+        let view = Take { spec, draws, options: &options, camera, needs_truth };
+        let Shown { camera, pair, truth, layers, matches, next, array } = match (&spec.rig.array, spec.rolling()) {
+            (Some(array), _) => array::shown(renderer, stage, &view, array, progress).await?,
+            (None, Some((motion, rolling))) => {
+                rolling::shown(renderer, stage, &view, (motion, rolling), progress).await?
             }
-            let record = record(item, spec.scene_name(index), &pair, truth.as_ref());
-            let (layers, matches, next, array) = (None, None, None, Vec::new());
-            return Ok(MadePair { pair, truth, layers, matches, camera, record, next, array });
-        }
-        let mut pair = renderer.pair(stage.uploaded()?, &camera).options(&options).progress(progress).read().await?;
-        let mut next_blur = MotionBlur::new();
-        if let Some(motion) = &spec.motion {
-            let motion = (motion, spec.poses.path());
-            let first = shutter::blur(renderer, stage, motion, (draws, &options), camera, (0.0, None)).await?;
-            first.apply(&mut pair, &options)?;
-            next_blur = shutter::blur(renderer, stage, motion, (draws, &options), camera, (1.0, None)).await?;
-        }
-        if let Some(sensor) = &spec.sensor {
-            sensor.expose(&mut pair, &options, draws, "first");
-        }
-        let of = (&stage.scene, stage.uploaded()?);
-        let Truths { truth, layers, matches } = truths_of(renderer, (spec, false, needs_truth), of, &pair).await?;
-        let next = match &spec.motion {
-            None => None,
-            Some(motion) => {
-                let next_camera = stage.advance(renderer, (motion, spec.poses.path()), draws, camera, 1.0).await?;
-                let (scene, uploaded) = stage.next()?;
-                let mut next = renderer.pair(uploaded, &next_camera).options(&options).read().await?;
-                next_blur.apply(&mut next, &options)?;
-                if let Some(sensor) = &spec.sensor {
-                    sensor.expose(&mut next, &options, draws, "next");
-                }
-                let of = (scene, uploaded);
-                let Truths { truth, layers, matches } =
-                    truths_of(renderer, (spec, true, needs_truth), of, &next).await?;
-                let now = Moment { scene: &stage.scene, uploaded: stage.uploaded()?, camera: &camera };
-                let then = Moment { scene, uploaded, camera: &next_camera };
-                let forward = renderer.flow(&pair, &stage.scene, then).await?;
-                let backward = renderer.flow(&next, scene, now).await?;
-                Some(Box::new(NextPair { pair: next, truth, layers, matches, camera: next_camera, forward, backward }))
-            }
+            (None, None) => instant::shown(renderer, stage, &view, progress).await?,
         };
         let record = record(item, spec.scene_name(index), &pair, truth.as_ref());
-        Ok(MadePair { pair, truth, layers, matches, camera, record, next, array: Vec::new() })
+        Ok(MadePair { pair, truth, layers, matches, camera, record, next, array })
     }
 
     fn check_item(&self, item: u32) -> Result<(), Error> {
@@ -429,32 +387,25 @@ fn options_of(spec: &Spec, draws: &Draws, channels: &[Channel]) -> Result<Option
     Ok(options)
 }
 
-/// Ground truth of an item's first or next pair, as far as outputs of the spec need it.
-pub(super) struct Truths {
-    pub(super) truth: Option<GroundTruth>,
-    pub(super) layers: Option<Layers>,
-    matches: Option<Correspondence>,
+/// How an item is rendered.
+pub(super) struct Take<'a> {
+    pub(super) spec: &'a Spec,
+    pub(super) draws: &'a Draws,
+    pub(super) options: &'a Options,
+    pub(super) camera: StereoCamera,
+    /// Whether outputs need ground truth.
+    pub(super) needs_truth: bool,
 }
 
-pub(super) async fn truths_of(
-    renderer: &Renderer,
-    (spec, next, needs_truth): (&Spec, bool, bool),
-    (scene, uploaded): (&Scene, &UploadedScene),
-    pair: &StereoPair,
-) -> Result<Truths, Error> {
-    let truth = match needs_truth {
-        true => Some(renderer.ground_truth(uploaded, scene, pair).await?),
-        false => None,
-    };
-    let layers = match spec.layers.filter(|_| spec.needs_layers(next)) {
-        Some(layers) => Some(renderer.layers(uploaded, scene, pair, &layers.layering()).await?),
-        None => None,
-    };
-    let matches = match spec.needs_matches(next) {
-        true => Some(renderer.correspondence(uploaded, pair).await?),
-        false => None,
-    };
-    Ok(Truths { truth, layers, matches })
+/// What an item shows: the parts of [`MadePair`] without its record.
+pub(super) struct Shown {
+    pub(super) camera: StereoCamera,
+    pub(super) pair: StereoPair,
+    pub(super) truth: Option<GroundTruth>,
+    pub(super) layers: Option<Layers>,
+    pub(super) matches: Option<Correspondence>,
+    pub(super) next: Option<Box<NextPair>>,
+    pub(super) array: Vec<ArrayPair>,
 }
 
 impl Scenes {

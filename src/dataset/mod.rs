@@ -13,6 +13,8 @@ mod draws;
 mod figures;
 #[cfg(feature = "dataset")]
 mod generate;
+#[cfg(feature = "dataset")]
+mod instant;
 mod layout;
 #[cfg(feature = "dataset")]
 mod maker;

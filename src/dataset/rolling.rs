@@ -2,19 +2,23 @@
 
 use std::ops::Range;
 
-use super::{draws::Draws, shutter, spec::Spec, stage::Stage};
-use crate::{Error, GroundTruth, OnProgress, Options, Renderer, StereoCamera, StereoPair, view::camera::Intrinsics};
+use super::{
+    maker::{Shown, Take},
+    shutter,
+    spec::{Motion, RollingShutter},
+    stage::Stage,
+};
+use crate::{Error, GroundTruth, OnProgress, Renderer, StereoCamera, StereoPair, view::camera::Intrinsics};
 
-/// Renders a pair band by band, if the spec has a rolling shutter. The middle row shows the pair's own time.
-pub(super) async fn pair(
+/// Renders a pair band by band. The middle row shows the pair's own time.
+pub(super) async fn shown(
     renderer: &mut Renderer,
-    (stage, spec): (&mut Stage, &Spec),
-    (draws, options): (&Draws, &Options),
-    (camera, needs_truth): (StereoCamera, bool),
+    stage: &mut Stage,
+    take: &Take<'_>,
+    (motion, rolling): (&Motion, &RollingShutter),
     progress: &mut OnProgress<'_>,
-) -> Result<Option<(StereoPair, Option<GroundTruth>)>, Error> {
-    let Some((motion, rolling)) = spec.rolling() else { return Ok(None) };
-    let motion = (motion, spec.poses.path());
+) -> Result<Shown, Error> {
+    let Take { spec, draws, camera, needs_truth, .. } = *take;
     let pose = camera.pose()?;
     let height = pose.size[1];
     let readout = draws.draw(&rolling.readout, "motion.rolling.readout");
@@ -22,13 +26,13 @@ pub(super) async fn pair(
     for (number, rows) in bands(height, rolling.bands).enumerate() {
         let time = readout * (0.5 * f64::from(rows.start + rows.end) / f64::from(height) - 0.5);
         // Samples would be at the same places in each band.
-        let options = options.clone().seed(options.seed.wrapping_add(number as u32));
-        let blur = shutter::blur(renderer, stage, motion, (draws, &options), camera, (time, Some(&rows))).await?;
-        let there = stage.advance(renderer, motion, draws, camera, time).await?;
+        let options = &take.options.clone().seed(take.options.seed.wrapping_add(number as u32));
+        let blur = shutter::blur(renderer, stage, &Take { options, ..*take }, motion, (time, Some(&rows))).await?;
+        let there = stage.advance(renderer, (motion, spec.poses.path()), draws, camera, time).await?;
         let (scene, uploaded) = stage.next()?;
         let part = camera_of(&there, &rows)?;
-        let mut band = renderer.pair(uploaded, &part).options(&options).progress(progress).read().await?;
-        blur.apply(&mut band, &options)?;
+        let mut band = renderer.pair(uploaded, &part).options(options).progress(progress).read().await?;
+        blur.apply(&mut band, options)?;
         let truth = match needs_truth {
             true => Some(renderer.ground_truth(uploaded, scene, &band).await?),
             false => None,
@@ -41,11 +45,13 @@ pub(super) async fn pair(
             }
         }
     }
-    if let Some((pair, truth)) = &mut found {
-        pair.pose = pose;
-        truth.iter_mut().for_each(|truth| truth.pose = pose);
+    let Some((mut pair, mut truth)) = found else { unreachable!("pictures have rows") };
+    pair.pose = pose;
+    truth.iter_mut().for_each(|truth| truth.pose = pose);
+    if let Some(sensor) = &spec.sensor {
+        sensor.expose(&mut pair, take.options, draws, "first");
     }
-    Ok(found)
+    Ok(Shown { camera, pair, truth, layers: None, matches: None, next: None, array: Vec::new() })
 }
 
 /// Returns the rows of each band, from the top down.

@@ -4,28 +4,29 @@ use std::ops::Range;
 
 use super::{
     draws::Draws,
+    maker::Take,
     rolling,
     sensor::Sensor,
     spec::{Motion, SensorEntry, Spec},
     stage::Stage,
 };
-use crate::{CameraPath, Error, MotionBlur, Options, Renderer, StereoCamera, StereoPair, View};
+use crate::{Error, MotionBlur, Options, Renderer, StereoPair, View};
 
 /// Returns the blur of the pair at a time of the item's motion, or one that changes nothing if the spec has no shutter.
 /// The time is 0 at the first pair and 1 at the next pair. With `rows`, it is the blur of these rows alone.
 pub(super) async fn blur(
     renderer: &mut Renderer,
     stage: &mut Stage,
-    (motion, path): (&Motion, Option<&CameraPath>),
-    (draws, options): (&Draws, &Options),
-    camera: StereoCamera,
+    take: &Take<'_>,
+    motion: &Motion,
     (middle, rows): (f64, Option<&Range<u32>>),
 ) -> Result<MotionBlur, Error> {
+    let Take { spec, draws, options, camera, .. } = *take;
     let mut blur = MotionBlur::new();
     let Some(shutter) = &motion.shutter else { return Ok(blur) };
     let open = draws.draw(&shutter.open, "motion.shutter.open");
     for (offset, options) in MotionBlur::instants(open, shutter.times, options) {
-        let camera = stage.advance(renderer, (motion, path), draws, camera, middle + offset).await?;
+        let camera = stage.advance(renderer, (motion, spec.poses.path()), draws, camera, middle + offset).await?;
         let camera = rows.map_or(Ok(camera), |rows| rolling::camera_of(&camera, rows))?;
         let (_, uploaded) = stage.next()?;
         blur.add(&renderer.pair(uploaded, &camera).options(&options).read().await?)?;

@@ -126,12 +126,6 @@ impl CameraArray {
         };
         all.filter(is_chosen).collect()
     }
-
-    /// Returns whether a pair's cameras are one below the other.
-    pub(in crate::dataset) fn is_vertical(&self, pair: [usize; 2]) -> bool {
-        let [[row, _], [other, _]] = pair.map(|camera| self.place(camera));
-        row != other
-    }
 }
 
 pub(super) fn array(value: &Value, at: &str) -> Result<CameraArray, Error> {
