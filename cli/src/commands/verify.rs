@@ -118,7 +118,6 @@ fn shards(folder: &Path, found: &mut Found) -> Result<(), Box<dyn Error>> {
     let (Some(name), Some(count)) = (head["spec"]["name"].as_str(), head["shards"].as_u64()) else {
         return Err(format!("{}: it does not belong to a data set", shown(&folder.join(HEAD))).into());
     };
-    let is_one_root = ["kitti", "sintel"].iter().any(|format| head["spec"]["format"] == *format);
     let there: BTreeSet<String> = fs::read_dir(folder)
         .map_err(|error| format!("{}: {error}", shown(folder)))?
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
@@ -139,8 +138,9 @@ fn shards(folder: &Path, found: &mut Found) -> Result<(), Box<dyn Error>> {
             found.fault(&format!("item {}", error["item"]), &format!("it could not be made: {reason}"));
         }
         match (record["file"].as_str(), record["files"].is_object()) {
-            (_, true) if is_one_root => found.check_all(folder, "", &record["files"]),
-            (_, true) => found.check_all(folder, &format!("{shard}/"), &record["files"]),
+            (Some(name), true) if name == shard => found.check_all(folder, &format!("{shard}/"), &record["files"]),
+            // All shards share one folder.
+            (_, true) => found.check_all(folder, "", &record["files"]),
             (Some(name), false) => found.check(folder, name, record["sha256"].as_str()),
             (None, false) => found.fault(&file, "it names no file"),
         }

@@ -7,17 +7,12 @@ use std::{
 
 use glam::DVec3;
 
-use super::{Layout, LayoutMotion, Root};
-use crate::{Error, EyeFlow, EyeTruth, GroundTruth, MISS, StereoPair, output::Batch, view::camera::Intrinsics};
+use super::{Item, Layout, LayoutMotion, Root};
+use crate::{Error, EyeFlow, EyeTruth, GroundTruth, MISS, output::Batch, view::camera::Intrinsics};
 
 /// Adds a pair.
-pub(super) fn pair(
-    batch: &mut Batch,
-    root: &Root<'_>,
-    index: u32,
-    pair: &StereoPair,
-    truth: &GroundTruth,
-) -> Result<(), Error> {
+pub(super) fn pair(batch: &mut Batch, root: &Root<'_>, item: &Item<'_>) -> Result<(), Error> {
+    let Item { index, pair, truth } = item;
     let file = |folder: &str| root.file(&format!("training/{folder}/{index:06}_10.png"));
     batch.add_png(file("image_2")?, &pair.left.picture())?;
     batch.add_png(file("image_3")?, &pair.right.picture())?;

@@ -153,13 +153,13 @@ impl Layout {
         truth: &GroundTruth,
     ) -> Result<(), Error> {
         self.check(pair, truth)?;
-        let root = Root(folder.as_ref());
+        let (root, item) = (Root(folder.as_ref()), Item { index, pair, truth });
         match self {
-            Self::Middlebury => middlebury(batch, &root, index, pair, truth),
-            Self::Kitti => kitti::pair(batch, &root, index, pair, truth),
-            Self::SceneFlow => scene_flow::pair(batch, &root, index, pair, truth),
-            Self::Sintel => sintel::pair(batch, &root, index, pair, truth),
-            Self::Panorama => panorama(batch, &root, index, pair, truth),
+            Self::Middlebury => middlebury(batch, &root, &item),
+            Self::Kitti => kitti::pair(batch, &root, &item),
+            Self::SceneFlow => scene_flow::pair(batch, &root, &item),
+            Self::Sintel => sintel::pair(batch, &root, &item),
+            Self::Panorama => panorama(batch, &root, &item),
         }
     }
 
@@ -216,6 +216,13 @@ pub struct LayoutMotion<'a> {
     pub backward: &'a Flow,
 }
 
+/// A pair to write.
+struct Item<'a> {
+    index: u32,
+    pair: &'a StereoPair,
+    truth: &'a GroundTruth,
+}
+
 /// Folder of a data set.
 struct Root<'a>(&'a Path);
 
@@ -240,13 +247,8 @@ fn negative_disparity(truth: &GroundTruth) -> Option<String> {
     })
 }
 
-fn middlebury(
-    batch: &mut Batch,
-    root: &Root<'_>,
-    index: u32,
-    pair: &StereoPair,
-    truth: &GroundTruth,
-) -> Result<(), Error> {
+fn middlebury(batch: &mut Batch, root: &Root<'_>, item: &Item<'_>) -> Result<(), Error> {
+    let Item { index, pair, truth } = item;
     let file = |name: &str| root.file(&format!("{index:06}/{name}"));
     for (eye, (view, truth)) in [(&pair.left, &truth.left), (&pair.right, &truth.right)].into_iter().enumerate() {
         batch.add_png(file(&format!("im{eye}.png"))?, &view.picture())?;
@@ -270,13 +272,8 @@ fn add_disparity(
     batch.add_sky_mask(file(&format!("mask{eye}sky.png"))?, truth)
 }
 
-fn panorama(
-    batch: &mut Batch,
-    root: &Root<'_>,
-    index: u32,
-    pair: &StereoPair,
-    truth: &GroundTruth,
-) -> Result<(), Error> {
+fn panorama(batch: &mut Batch, root: &Root<'_>, item: &Item<'_>) -> Result<(), Error> {
+    let Item { index, pair, truth } = item;
     let file = |name: &str| root.file(&format!("{index:06}/{name}"));
     for (eye, (view, truth)) in [(&pair.left, &truth.left), (&pair.right, &truth.right)].into_iter().enumerate() {
         batch.add_panorama_png(file(&format!("im{eye}.png"))?, view, &pair.pose)?;

@@ -1,16 +1,11 @@
 //! Scene Flow's layout, as in Monkaa and Driving.
 
-use super::Root;
-use crate::{Error, Flow, GroundTruth, StereoPair, output::Batch};
+use super::{Item, Root};
+use crate::{Error, Flow, GroundTruth, output::Batch};
 
 /// Adds a pair.
-pub(super) fn pair(
-    batch: &mut Batch,
-    root: &Root<'_>,
-    index: u32,
-    pair: &StereoPair,
-    truth: &GroundTruth,
-) -> Result<(), Error> {
+pub(super) fn pair(batch: &mut Batch, root: &Root<'_>, item: &Item<'_>) -> Result<(), Error> {
+    let Item { index, pair, truth } = item;
     for (eye, view, truth) in [("left", &pair.left, &truth.left), ("right", &pair.right, &truth.right)] {
         let file = |kind: &str, ending: &str| root.file(&format!("{kind}/stereotrace/{eye}/{index:04}.{ending}"));
         batch.add_png(file("frames_finalpass", "png")?, &view.picture())?;
@@ -20,7 +15,7 @@ pub(super) fn pair(
         }
     }
     let path = root.file(&format!("camera_data/stereotrace/{index:04}.txt"))?;
-    batch.add(path, camera_data(index, truth).as_bytes())
+    batch.add(path, camera_data(*index, truth).as_bytes())
 }
 
 /// Adds the flow and the change of disparity of frame `index`.

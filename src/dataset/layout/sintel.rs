@@ -1,6 +1,6 @@
 //! MPI Sintel's layout: left disparities and masks, cameras, and flow.
 
-use super::{LayoutMotion, Root};
+use super::{Item, LayoutMotion, Root};
 use crate::{
     Error, FlowClass, GroundTruth, Occlusion, StereoPair,
     output::{Batch, SINTEL_DISPARITIES},
@@ -12,14 +12,8 @@ pub(super) const DISPARITY_LIMIT: f32 = SINTEL_DISPARITIES;
 const CAM: f32 = 202_021.25;
 
 /// Adds a pair.
-pub(super) fn pair(
-    batch: &mut Batch,
-    root: &Root<'_>,
-    index: u32,
-    pair: &StereoPair,
-    truth: &GroundTruth,
-) -> Result<(), Error> {
-    frame(batch, root, (index, 1), pair, truth)
+pub(super) fn pair(batch: &mut Batch, root: &Root<'_>, item: &Item<'_>) -> Result<(), Error> {
+    frame(batch, root, (item.index, 1), item.pair, item.truth)
 }
 
 /// Adds the next pair as a second frame, and the left view's flow.
