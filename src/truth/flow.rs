@@ -1,5 +1,7 @@
 //! Ground truth for motion: where the points of a pair are at another time, in f64 on the host.
 
+use std::ops::Range;
+
 use glam::DVec3;
 #[cfg(not(target_arch = "wasm32"))]
 use rayon::prelude::*;
@@ -17,6 +19,9 @@ use crate::{
 /// A ray has reached a point if it hits another primitive at most this share of the distance before the point. The
 /// value exceeds the rounding of directions, except on surfaces seen edge-on.
 pub(super) const SAME_POINT: f64 = 1.0 / 65536.0;
+/// Number of pixels whose rays are traced at once. It limits the memory for them, and large lists would make the system
+/// map fresh memory for each view.
+const PART: usize = 1 << 17;
 
 /// A scene and a camera at a time ([`Renderer::flow`]). The scene has the primitives of the pair's scene at other
 /// positions.
@@ -141,35 +146,39 @@ impl Renderer {
         side: f32,
         uploaded: &UploadedScene,
     ) -> Result<EyeFlow, Error> {
-        let points = motion.points(view, side);
-        let eye = Pixels::of(&motion.then.1, 0.5 * f64::from(side));
-        let ray = |point: &Point| {
-            let (origin, direction) = eye.ray_through(point.place);
-            Ray::new(origin, direction.as_vec3())
-        };
-        let in_frame = || points.iter().filter(|point| point.class == FlowClass::Visible);
-        let rays: Vec<Ray> = in_frame().map(ray).collect();
-        let hits = self.closest_hits(uploaded, &rays).await?.hits;
-        let mut hits = hits.iter().zip(&rays);
+        let count = view.primitive.len();
         let mut found = EyeFlow {
             width: view.width,
             height: view.height,
-            flow: Vec::with_capacity(points.len()),
-            disparity_change: Vec::with_capacity(points.len()),
-            displacement: Vec::with_capacity(points.len()),
-            class: Vec::with_capacity(points.len()),
+            flow: Vec::with_capacity(count),
+            disparity_change: Vec::with_capacity(count),
+            displacement: Vec::with_capacity(count),
+            class: Vec::with_capacity(count),
         };
-        for point in points {
-            found.flow.push(point.flow);
-            found.disparity_change.push(point.disparity_change);
-            found.displacement.push(point.displacement);
-            let is_hidden = point.class == FlowClass::Visible
-                && hits.next().is_some_and(|(hit, ray)| {
-                    let is_itself =
-                        hit.primitive == point.primitive && point.outward.dot(ray.direction.as_dvec3()) <= 0.0;
-                    !is_itself && f64::from(hit.t) < point.depth * (1.0 - SAME_POINT)
-                });
-            found.class.push(if is_hidden { FlowClass::Hidden } else { point.class });
+        let own = EyeMotion::of(motion, side);
+        let eye = Pixels::of(&motion.then.1, 0.5 * f64::from(side));
+        for first in (0..count).step_by(PART) {
+            let points = own.points(view, first..count.min(first + PART));
+            let ray = |point: &Point| {
+                let (origin, direction) = eye.ray_through(point.place);
+                Ray::new(origin, direction.as_vec3()).t_max((point.depth * (1.0 - SAME_POINT)) as f32)
+            };
+            let in_frame = points.iter().filter(|point| point.class == FlowClass::Visible);
+            let rays: Vec<Ray> = in_frame.map(ray).collect();
+            let hits = self.nearer_hits(uploaded, &rays).await?;
+            let mut hits = hits.iter().zip(&rays);
+            for point in points {
+                found.flow.push(point.flow);
+                found.disparity_change.push(point.disparity_change);
+                found.displacement.push(point.displacement);
+                let is_hidden = point.class == FlowClass::Visible
+                    && hits.next().is_some_and(|(hit, ray)| {
+                        let is_itself =
+                            hit.primitive == point.primitive && point.outward.dot(ray.direction.as_dvec3()) <= 0.0;
+                        !is_itself && f64::from(hit.t) < point.depth * (1.0 - SAME_POINT)
+                    });
+                found.class.push(if is_hidden { FlowClass::Hidden } else { point.class });
+            }
         }
         Ok(found)
     }
@@ -229,27 +238,6 @@ struct Point {
     class: FlowClass,
 }
 
-impl Motion<'_> {
-    /// Returns the points of a view, of the left eye (-1) or the right eye (1).
-    fn points(&self, view: &View, side: f32) -> Vec<Point> {
-        let eye = EyeMotion::of(self, side);
-        let width = (view.width as usize).max(1);
-        let point = |(index, &id): (usize, &u32)| {
-            let pixel = [index % width, index / width];
-            let ray = eye.pixels.ray(pixel[0], pixel[1]);
-            let center = pixel.map(|place| place as f64 + 0.5);
-            match id {
-                MISS => eye.sky(center, ray.1),
-                id => eye.surface(center, ray, (id, view.depth[index])),
-            }
-        };
-        #[cfg(not(target_arch = "wasm32"))]
-        return view.primitive.par_iter().enumerate().map(point).collect();
-        #[cfg(target_arch = "wasm32")]
-        view.primitive.iter().enumerate().map(point).collect()
-    }
-}
-
 /// Rays of one eye's pixels, and projections of their points at both times.
 struct EyeMotion<'a> {
     motion: &'a Motion<'a>,
@@ -278,6 +266,24 @@ impl<'a> EyeMotion<'a> {
             turns: [now, then].map(|pose| pose.circle().and_then(|circle| circle.turn)),
             has_rows: now.projection.without_rows().is_none(),
         }
+    }
+
+    /// Returns the points of a range of a view's pixels.
+    fn points(&self, view: &View, pixels: Range<usize>) -> Vec<Point> {
+        let width = (view.width as usize).max(1);
+        let point = |index: usize| {
+            let pixel = [index % width, index / width];
+            let ray = self.pixels.ray(pixel[0], pixel[1]);
+            let center = pixel.map(|place| place as f64 + 0.5);
+            match view.primitive[index] {
+                MISS => self.sky(center, ray.1),
+                id => self.surface(center, ray, (id, view.depth[index])),
+            }
+        };
+        #[cfg(not(target_arch = "wasm32"))]
+        return pixels.into_par_iter().map(point).collect();
+        #[cfg(target_arch = "wasm32")]
+        pixels.map(point).collect()
     }
 
     fn sky(&self, center: [f64; 2], direction: DVec3) -> Point {

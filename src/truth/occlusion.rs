@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::{
-    Error, Lens, Occlusion, Pose, Projection, Ray, Renderer, StereoPair, UploadedScene, View,
+    Error, Lens, MISS, Occlusion, Pose, Projection, Ray, RayHit, Renderer, StereoPair, UploadedScene, View,
     view::camera::{Circle, CircleRay, Field},
 };
 
@@ -11,6 +11,8 @@ use crate::{
 /// value exceeds the rounding of depths and directions, even on surfaces seen edge-on. Wrong answers are limited to a
 /// strip of this width along edges.
 pub(super) const SAME_POINT_PX: f64 = 1.0 / 512.0;
+/// Rays to points are lengthened by this share, which exceeds the rounding of t.
+const ROUNDING: f64 = 1.0 / 1_048_576.0;
 
 /// Whether the other eye sees the point of each pixel, for both views. The lists are row-major, `[height][width]`, top
 /// row first.
@@ -24,6 +26,18 @@ pub struct Occlusions {
 }
 
 impl Renderer {
+    /// Returns the nearest hits of rays that have hits within their limits, and misses for the others. It is faster
+    /// than [`Renderer::closest_hits`] if most rays have no hit.
+    pub(super) async fn nearer_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Vec<RayHit>, Error> {
+        let is_blocked = self.any_hits(scene, rays).await?.hits;
+        let blocked = rays.iter().zip(&is_blocked).filter(|(_, is_blocked)| **is_blocked);
+        let blocked = Vec::from_iter(blocked.map(|(ray, _)| *ray));
+        let mut nearest = self.closest_hits(scene, &blocked).await?.hits.into_iter();
+        let none = RayHit { t: f32::INFINITY, primitive: MISS };
+        let hit = |is_blocked| if is_blocked { nearest.next().unwrap_or(none) } else { none };
+        Ok(is_blocked.into_iter().map(hit).collect())
+    }
+
     /// Returns whether the other eye sees the point at each pixel's centre, by tracing a ray from that eye to it.
     /// [`StereoPair::occlusion`] estimates the same from depths. Sky is visible unless something is in front of it. A
     /// pixel whose point lies outside the other picture ([`StereoPair::disparity`]) is out of frame, even if nothing
@@ -63,11 +77,17 @@ impl Renderer {
         }
         let pixels = Pixels::of(pose, side);
         let width = view.width as usize;
-        let rays =
-            view.depth.iter().enumerate().map(|(index, &z)| pixels.ray_of_other(index % width, index / width, z));
-        let rays: Vec<Ray> = rays.collect();
-        let hits = self.closest_hits(scene, &rays).await?.hits;
         let (disparity, nominal) = (pose.disparities_of_eye(2.0 * side), pose.disparities_of_rows());
+        let ray = |(index, &z): (usize, &f32)| {
+            let (column, row) = (index % width, index / width);
+            // Disparities above that of sky are proportional to 1/z in planar pictures, and grow less than 1/z around.
+            let above_sky = nominal(row, z) - nominal(row, f32::INFINITY);
+            let nearer = f64::from(z) * (above_sky / (above_sky + SAME_POINT_PX)) * (1.0 + ROUNDING);
+            let t_max = if z.is_finite() && above_sky.is_finite() { nearer as f32 } else { f32::INFINITY };
+            pixels.ray_of_other(column, row, z).t_max(t_max)
+        };
+        let rays: Vec<Ray> = view.depth.iter().enumerate().map(ray).collect();
+        let hits = self.nearer_hits(scene, &rays).await?;
         let found = hits.iter().enumerate().map(|(index, hit)| {
             let (pixel, z) = ([index % width, index / width], view.depth[index]);
             // The point's column in the other view.

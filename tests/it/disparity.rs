@@ -5,9 +5,9 @@ use crate::common;
 
 use common::{cases, is_exact, nearest::nearest, renderer};
 use stereotrace::{
-    Builtin, Error, GBuffer, Method, Occlusion, Options, Pose, Ray, StereoPair,
+    Builtin, Error, GBuffer, Material, Mesh, Method, Occlusion, Options, Pose, Ray, Scene, StereoCamera, StereoPair,
     blocking::Wait,
-    glam::DVec3,
+    glam::{DVec3, Vec3},
     testing::cpu::{Eye, Frame},
 };
 
@@ -226,6 +226,46 @@ fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_on
         assert!(hidden > 200 && other <= 8 && beside <= most_beside, "{builtin}: {other} of {hidden}, {beside}");
         assert!(off < 1e-3, "{builtin}: {off}");
     }
+}
+
+/// A slanted board half a percent before a wall hides strips of the wall that are 0.2 px wide. A closed form finds them.
+#[test]
+fn a_board_just_before_a_wall_hides_a_strip_of_it() {
+    let (wall, board) = (4.0, 3.98);
+    let mut scene = Scene::new();
+    scene.add_material(Material::new(Vec3::ONE));
+    let quad = |corners: [[f64; 2]; 4], z: f64| {
+        let corners = corners.map(|[x, y]| Vec3::new(x as f32, y as f32, -z as f32));
+        Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+    };
+    scene.add_mesh(&quad([[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]], wall)).unwrap();
+    // The board's sides lean by 0.3 to the right.
+    scene.add_mesh(&quad([[-1.1, -2.0], [-0.1, -2.0], [1.1, 2.0], [0.1, 2.0]], board)).unwrap();
+    let camera = StereoCamera::look_at(Vec3::ZERO, -Vec3::Z).size(300, 200).screen_distance(4.0).interaxial(0.5);
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&scene).wait().unwrap();
+    let pair = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
+    let occlusions = renderer.occlusions(&uploaded, &pair).wait().unwrap();
+    let eyes = [-1.0, 1.0].map(|side| Pinhole { pose: &pair.pose, side });
+    let is_on_board = |x: f64, y: f64| (x - 0.3 * y).abs() <= 0.5;
+    let (mut hidden, mut other) = (0, 0);
+    for (eye, other_eye, view, found) in
+        [(&eyes[0], &eyes[1], &pair.left, &occlusions.left), (&eyes[1], &eyes[0], &pair.right, &occlusions.right)]
+    {
+        for index in (0..view.depth.len()).filter(|&index| view.object[index] == 0) {
+            let point = eye.point(index % 300, index / 300, wall);
+            let at_board = other_eye.eye() + (point - other_eye.eye()) * (board / wall);
+            let truth = match is_on_board(at_board.x, at_board.y) {
+                _ if !(0.0..300.0).contains(&other_eye.column(point)) => Occlusion::OutOfFrame,
+                true => Occlusion::Hidden,
+                false => Occlusion::Visible,
+            };
+            hidden += usize::from(truth == Occlusion::Hidden);
+            other += usize::from(truth != found[index]);
+        }
+    }
+    println!("{hidden} hidden, {other} otherwise");
+    assert!(hidden > 30 && other <= 4, "{other} of {hidden}");
 }
 
 #[test]
