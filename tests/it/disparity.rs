@@ -228,7 +228,7 @@ fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_on
     }
 }
 
-/// A slanted board half a percent before a wall hides strips of the wall that are 0.2 px wide. A closed form finds them.
+/// A slanted board half a percent before a wall hides strips of it that are 0.2 px wide. A closed form finds them.
 #[test]
 fn a_board_just_before_a_wall_hides_a_strip_of_it() {
     let (wall, board) = (4.0, 3.98);
