@@ -164,7 +164,7 @@ pub use import::input::Limits;
 #[cfg(feature = "scene-files")]
 pub use import::{MissingTextures, Origin, OutsideFiles, SceneFile, SceneOptions};
 #[cfg(any(test, feature = "testing"))]
-pub use kernel::traversal::{Boxes, Fetch, RaysPerLane, Traversal};
+pub use kernel::traversal::{Boxes, Fetch, RaysPerLane, Stack, Traversal};
 #[cfg(not(any(test, feature = "testing")))]
 pub(crate) use kernel::traversal::{Boxes, RaysPerLane};
 pub use methods::auto::Choice;

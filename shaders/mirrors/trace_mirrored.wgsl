@@ -7,7 +7,7 @@
 // updates view       [height * width]      color
 // adds    counters   [height * COUNTERS]
 
-//! use bvh, camera, counters, dice, frame, lane, light, lists, materials, pixels, planes, primitives, rays
+//! use bvh, camera, counters, dice, frame, lane, light, lists, materials, pixels, planes, primitives, rays, stack
 //! use reflectance, shade, surfaces, textures, view
 
 var<storage, read_write> lists: Lists;
@@ -65,7 +65,8 @@ fn offset_from(surfaces: Surfaces, origin: vec3f, side: f32) -> vec3f {
 }
 
 @compute @workgroup_size(LIST_WORKGROUP)
-fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
+fn trace_mirrored(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let listed = listed_pixels(TO_TRACE, id.x);
     if !any_ray(listed.wanted) { return; }
     let first = pixel_of_ray(listed.pixels, 0u);

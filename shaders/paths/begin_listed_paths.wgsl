@@ -7,7 +7,7 @@
 // appends paths      list 0
 // adds    counters   [height * COUNTERS]
 
-//! use first_vertex, lane, lists, paths, pixels
+//! use first_vertex, lane, lists, paths, pixels, stack
 
 var<storage, read> view: array<Pixel>;
 var<storage, read_write> brought: array<Brought>;
@@ -16,7 +16,8 @@ var<storage, read_write> lists: Lists;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
-fn begin_listed_paths(@builtin(global_invocation_id) id: vec3u) {
+fn begin_listed_paths(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let listed = listed_pixels(TO_TRACE, id.x);
     if all_rays(listed.wanted) { begin_path(listed.pixels); }
 }

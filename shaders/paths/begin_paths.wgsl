@@ -6,7 +6,7 @@
 // appends paths      list 0
 // adds    counters   [height * COUNTERS]
 
-//! use first_vertex, lane, paths, pixels, wanted
+//! use first_vertex, lane, paths, pixels, stack, wanted
 
 var<storage, read> view: array<Pixel>;
 var<storage, read_write> brought: array<Brought>;
@@ -14,7 +14,8 @@ var<storage, read_write> paths: Paths;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
-fn begin_paths(@builtin(global_invocation_id) id: vec3u) {
+fn begin_paths(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let pixels = block_pixels(id);
     if all_rays(inside_rows(pixels)) { begin_path(pixels); }
 }

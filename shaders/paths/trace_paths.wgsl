@@ -6,7 +6,7 @@
 // appends paths      list of the next ray
 // adds    counters   [height * COUNTERS]
 
-//! use bvh, counters, display, emitters, frame, lane, paths, pixels, planes, rays, scattering, sobol, textures
+//! use bvh, counters, display, emitters, frame, lane, paths, pixels, planes, rays, scattering, sobol, stack, textures
 
 var<storage, read_write> brought: array<Brought>;
 var<storage, read_write> paths: Paths;
@@ -16,7 +16,8 @@ var<storage, read_write> counters: array<atomic<u32>>;
 const FIRST_ROULETTE: u32 = 3u;
 
 @compute @workgroup_size(LIST_WORKGROUP)
-fn trace_paths(@builtin(global_invocation_id) id: vec3u) {
+fn trace_paths(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let ray = frame.paths.ray;
     if id.x >= atomicLoad(&paths.heads[ray - 1u].count) { return; }
     let index = paths.each[id.x].entries[(ray - 1u) & 1u];

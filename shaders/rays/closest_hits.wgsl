@@ -6,13 +6,14 @@
 // writes  found     [rays]      t as bits (t_max for a miss), primitive id
 // adds    counters  [COUNTERS]  as for one row of a view
 
-//! use bvh, counters, frame, in_steps, lane, pixels, planes, ray_list
+//! use bvh, counters, frame, in_steps, lane, pixels, planes, ray_list, stack
 
 var<storage, read_write> found: array<vec2u>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
-fn closest_hits(@builtin(global_invocation_id) id: vec3u) {
+fn closest_hits(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let first = id.x * RAYS;
     if first >= frame.band.size.x || !begin_step(id.x) { return; }
     let listed = listed_rays(first);

@@ -9,7 +9,7 @@
 // adds    counters  [height * COUNTERS]
 // appends lists     TO_TRACE
 
-//! use camera, counters, lane, lists, marks, pixels, verify, wanted
+//! use camera, counters, lane, lists, marks, pixels, stack, verify, wanted
 
 var<storage, read> source: array<Pixel>;
 var<storage, read_write> view: array<Pixel>;
@@ -17,7 +17,8 @@ var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> lists: Lists;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
-fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
+fn resolve_right(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let pixels = block_pixels(id);
     let inside = inside_rows(pixels);
     if !any_ray(inside) { return; }

@@ -8,14 +8,15 @@
 // writes  kept_samples texture, for views that reuse an earlier frame's bits
 // adds    counters     [height * COUNTERS]
 
-//! use camera, counters, dice, kept_samples, lane, lists, pixels, shade, surfaces, view, visibility
+//! use camera, counters, dice, kept_samples, lane, lists, pixels, shade, stack, surfaces, view, visibility
 
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
-fn shade_listed(@builtin(global_invocation_id) id: vec3u) {
+fn shade_listed(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let listed = listed_pixels(TO_SHADE, id.x);
     if !any_ray(listed.wanted) { return; }
     let rays = rays_of(listed.pixels);

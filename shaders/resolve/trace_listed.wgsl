@@ -6,14 +6,15 @@
 // updates view         [height * width]      depth and slot; reads depth as the distance up to which space is empty
 // adds    counters     [height * COUNTERS]
 
-//! use bvh, camera, counters, lane, lists, pixels, planes, rays, view
+//! use bvh, camera, counters, lane, lists, pixels, planes, rays, stack, view
 
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
-fn trace_listed(@builtin(global_invocation_id) id: vec3u) {
+fn trace_listed(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let listed = listed_pixels(TO_TRACE, id.x);
     if !any_ray(listed.wanted) { return; }
     let free = target_hits(listed.pixels, listed.wanted).t;

@@ -2,9 +2,6 @@
 
 //! use fetch, lane
 
-// Stack of the links that a traversal has yet to follow, with DONE at the bottom.
-alias Stack = array<u32, STACK_SIZE>;
-
 const LEAF: u32 = 0x80000000u;
 const FIRST_SLOT: u32 = 0x0fffffffu;
 const DONE: u32 = 0xffffffffu;

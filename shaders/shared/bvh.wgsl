@@ -4,7 +4,7 @@
 // a pair of child boxes, each with a link. A link with LEAF set is a run of 1 to 8 primitives. It holds (count - 1) in
 // bits 28 to 30, and the first slot in the bits below. Other links are indices of pairs. The root is pair 0.
 
-//! use boxes, counters, cutouts, fetch, in_steps, lane, pixels, primitive, primitives, rays
+//! use boxes, counters, cutouts, fetch, in_steps, lane, pixels, primitive, primitives, rays, stack
 
 fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     let scales = scales_of(rays);
@@ -14,10 +14,9 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
 
     var hits = Hits(t_max, U(MISS), select(U(0u), U(MISS), any_is_enough));
     var stack: Stack;
-    stack[0] = DONE;
-    var top = 0;
+    clear(&stack);
     var link = 0u;
-    resume(&hits, &stack, &top, &link);
+    resume(&hits, &stack, &link);
     var slot: u32;
     var last: u32;
     // Boxes that begin beyond this t are skipped.
@@ -37,15 +36,15 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
                 let entry_a = box_entry(a, inverse, t_min, reach);
                 let entry_b = box_entry(b, inverse, t_min, reach);
                 let a_first = entry_a <= entry_b;
-                if max(entry_a, entry_b) < NO_ENTRY {
-                    top += 1;
-                    stack[top] = select(a.link, b.link, a_first);
-                }
-                if min(entry_a, entry_b) < NO_ENTRY {
-                    link = select(b.link, a.link, a_first);
+                let both = max(entry_a, entry_b) < NO_ENTRY;
+                let nearer = select(b.link, a.link, a_first);
+                let farther = select(a.link, b.link, a_first);
+                if is_climbing(&stack) {
+                    link = climb(&stack, link, nearer, farther, both);
                 } else {
-                    link = stack[top];
-                    top -= 1;
+                    visit(&stack, link);
+                    if both { push(&stack, farther); }
+                    if min(entry_a, entry_b) < NO_ENTRY { link = nearer; } else { link = pop(&stack); }
                 }
                 spend_round();
                 if (link & LEAF) != 0u || is_tired() { break; }
@@ -74,8 +73,7 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
                 put_off = put_off_also(put_off, slot, doubted);
                 slot += 1u;
                 if slot > last {
-                    link = stack[top];
-                    top -= 1;
+                    link = pop(&stack);
                     slot = link & FIRST_SLOT;
                     last = slot + ((link >> 28u) & 7u);
                 }
@@ -91,8 +89,7 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
         if !waiting { break; }
         // Pushes the rest of the leaf onto the stack. The next round visits the root, misses its boxes and pops the
         // rest of the leaf.
-        top += 1;
-        stack[top] = LEAF | ((last - slot) << 28u) | slot;
+        push(&stack, LEAF | ((last - slot) << 28u) | slot);
         link = 0u;
         reach = F(NEVER);
         // The visit of the root and the repeated primitive test are not counted.
@@ -101,7 +98,7 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
             primitives_tested -= 1u;
         }
     }
-    let kept = keep_traversal(hits, &stack, top, link);
+    let kept = keep_traversal(hits, &stack, link);
     cut_short |= (link != DONE) & !kept;
     return hits;
 }

@@ -8,30 +8,22 @@ const CHILD_TEXELS: u32 = 1u;
 //! if boxes is f32 or world
 const CHILD_TEXELS: u32 = 2u;
 
-//! if cutouts is some
-struct Bvh {
-    grid_origin: vec3f,
-    extent: f32,
-    grid_cell: vec3f,
-    zero: u32,
-    cutouts: u32,         // texel of the first material's mask head: src/accel/cutouts.rs
-}
-
-//! if cutouts is none
+//! end
 struct Bvh {
     grid_origin: vec3f,   // grid point 0, scene coordinates
     extent: f32,          // largest side of the scene's box, world units
     grid_cell: vec3f,     // world size of a grid step
     zero: u32,            // always 0, which compilers do not know
+    cutouts: u32,         // texel of the first material's mask head: src/accel/cutouts.rs
+    parents: u32,         // word of the parent of pair 0, modulo 2^32; only in buffers
 }
 
-//! end
 var<uniform> bvh: Bvh;
 
 //! if fetch is buffer
 // The data is in storage buffers, for GPUs.
 
-// The order is the root's pair, the primitives, and all other pairs (src/accel/geometry.rs).
+// The order is the root's pair, the primitives, all other pairs, masks and parents (src/accel/geometry.rs).
 var<storage, read> geometry: array<vec4u>;
 
 // Index of the first texel of a pair of children.
@@ -47,6 +39,12 @@ fn node_texel(place: Place, texel: u32) -> vec4u {
 
 fn primitive_texel(slot: u32, texel: u32) -> vec4u {
     return geometry[slot * PRIMITIVE_TEXELS + (2u * CHILD_TEXELS + texel)];
+}
+
+// Returns the pair that a pair other than the root is a child of.
+fn parent_of(pair: u32) -> u32 {
+    let word = bvh.parents + pair;
+    return geometry[word >> 2u][word & 3u];
 }
 
 var<storage, read> table: array<vec4u>;

@@ -1,6 +1,6 @@
 // A thread does all its work in one dispatch, or it runs a limited number of loop rounds in each of several dispatches.
 
-//! use boxes, counters, lane, light, rays
+//! use boxes, counters, lane, light, rays, stack
 
 //! if dispatches is one
 // With one dispatch, these functions do nothing.
@@ -11,9 +11,9 @@ fn begin_step(thread: u32) -> bool { return true; }
 
 fn end_step() {}
 
-fn resume(hits: ptr<function, Hits>, stack: ptr<function, Stack>, top: ptr<function, i32>, link: ptr<function, u32>) {}
+fn resume(hits: ptr<function, Hits>, stack: ptr<function, Stack>, link: ptr<function, u32>) {}
 
-fn keep_traversal(hits: Hits, stack: ptr<function, Stack>, top: i32, link: u32) -> bool { return false; }
+fn keep_traversal(hits: Hits, stack: ptr<function, Stack>, link: u32) -> bool { return false; }
 
 fn spend_round() {}
 
@@ -44,7 +44,6 @@ struct Lane {
     sum: Light,     // sum of the light of the previous lights
     stage: u32,     // 0: primary rays; n: light n - 1; FINISHED
     link: u32,      // next link of the traversal; 0 if no traversal has begun
-    top: i32,
     stack: Stack,
 }
 
@@ -87,16 +86,15 @@ fn is_tired() -> bool { return rounds_left <= 0; }
 // Returns whether a traversal without rounds left may pause at this link.
 fn is_step_over(link: u32) -> bool { return (link & LEAF) == 0u; }
 
-fn resume(hits: ptr<function, Hits>, stack: ptr<function, Stack>, top: ptr<function, i32>, link: ptr<function, u32>) {
+fn resume(hits: ptr<function, Hits>, stack: ptr<function, Stack>, link: ptr<function, u32>) {
     if steps.lanes[lane].link == 0u { return; }
     *hits = steps.lanes[lane].passed;
     *stack = steps.lanes[lane].stack;
-    *top = steps.lanes[lane].top;
     *link = steps.lanes[lane].link;
 }
 
 // Saves a traversal; returns whether it will resume. A traversal that a driver cut short cannot resume.
-fn keep_traversal(hits: Hits, stack: ptr<function, Stack>, top: i32, link: u32) -> bool {
+fn keep_traversal(hits: Hits, stack: ptr<function, Stack>, link: u32) -> bool {
     if link == DONE {
         steps.lanes[lane].link = 0u;
         return false;
@@ -104,7 +102,6 @@ fn keep_traversal(hits: Hits, stack: ptr<function, Stack>, top: i32, link: u32) 
     if !is_tired() || !is_step_over(link) { return false; }
     steps.lanes[lane].passed = hits;
     steps.lanes[lane].stack = *stack;
-    steps.lanes[lane].top = top;
     steps.lanes[lane].link = link;
     paused = true;
     return true;

@@ -5,13 +5,14 @@
 // writes  kept_samples  texture, for `bracket`
 // adds    counters      [height * COUNTERS]; reads the masks after them
 
-//! use camera, counters, dice, lane, pixels, shade, surfaces, view, wanted
+//! use camera, counters, dice, lane, pixels, shade, stack, surfaces, view, wanted
 
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
-fn shade_hits(@builtin(global_invocation_id) id: vec3u) {
+fn shade_hits(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let pixels = block_pixels(id);
     let wanted = inside_rows(pixels);
     leave_out(pixels, wanted);

@@ -4,13 +4,14 @@
 // writes  view      [height * width]      all fields except color
 // adds    counters  [height * COUNTERS]
 
-//! use bvh, camera, counters, lane, pixels, planes, rays, view, wanted
+//! use bvh, camera, counters, lane, pixels, planes, rays, stack, view, wanted
 
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
-fn trace_hits(@builtin(global_invocation_id) id: vec3u) {
+fn trace_hits(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let pixels = block_pixels(id);
     let wanted = inside_rows(pixels);
     leave_out(pixels, wanted);

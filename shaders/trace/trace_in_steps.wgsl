@@ -5,7 +5,7 @@
 // writes  view      [height * width]
 // adds    counters  [height * COUNTERS], and the cost map after them, if requested
 
-//! use bvh, camera, counters, dice, frame, in_steps, lane, pixels, planes, rays, shade, surfaces, view, wanted
+//! use bvh, camera, counters, dice, frame, in_steps, lane, pixels, planes, rays, shade, stack, surfaces, view, wanted
 
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -27,7 +27,8 @@ fn seen_by(rays: Rays, wanted: B) -> Hits {
 }
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
-fn trace_in_steps(@builtin(global_invocation_id) id: vec3u) {
+fn trace_in_steps(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    begin_stack(thread);
     let pixels = block_pixels(id);
     let wanted = inside_rows(pixels);
     if !any_ray(wanted) || !begin_step(lane_of(id)) { return; }

@@ -250,6 +250,7 @@ impl Grid {
             extent: self.extent,
             grid_cell: self.cell.to_array(),
             zero: 0,
+            ..Default::default()
         }
     }
 

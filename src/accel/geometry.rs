@@ -1,8 +1,9 @@
 //! The layout of a BVH in the one texture or storage buffer that kernels read (`shaders/shared/fetch.wgsl`).
 //!
-//! The root's pair comes first, then the primitives, then all other pairs, then cut-out masks. Primitives thus begin at
-//! the same index for any scene size, so kernels need no offset for them. Links are indices of pairs, counted from the
-//! first texel. Kernels reach all other pairs through links only.
+//! The root's pair comes first, then the primitives, then all other pairs, then cut-out masks, and in buffers the
+//! parents of all pairs but the root. Primitives thus begin at the same index for any scene size, so kernels need no
+//! offset for them. Links are indices of pairs, counted from the first texel. Kernels reach all other pairs through
+//! links only.
 
 use crate::{
     accel::bvh::{LEAF, PackedBvh},
@@ -28,7 +29,37 @@ impl<'a> GeometryTexels<'a> {
 
     /// Returns the number of texels.
     pub(crate) fn count(&self) -> usize {
+        self.parents_begin() + self.parents_count()
+    }
+
+    /// Returns the number of texels of parents.
+    fn parents_count(&self) -> usize {
+        self.other_pairs().div_ceil(4) * usize::from(self.fetch == Fetch::Buffer)
+    }
+
+    pub(crate) fn parents_bytes(&self) -> u64 {
+        (self.parents_count() * size_of::<Texel>()) as u64
+    }
+
+    /// Returns the index of the first texel of parents.
+    fn parents_begin(&self) -> usize {
         self.masks_begin() + self.packed.masks.len()
+    }
+
+    /// Returns the number of pairs other than the root.
+    fn other_pairs(&self) -> usize {
+        self.packed.nodes.len() / self.packed.pair_texels - 1
+    }
+
+    /// Returns the index of the first pair after the primitives.
+    fn first_other_pair(&self) -> usize {
+        (self.primitives_begin() + self.primitive_span()) / self.packed.pair_texels
+    }
+
+    /// Returns the index of the word that would hold the parent of pair 0, modulo 2³² (`parent_of` in
+    /// `shaders/shared/fetch.wgsl`).
+    pub(crate) fn parents_word(&self) -> u32 {
+        (self.parents_begin() as u32).wrapping_mul(4).wrapping_sub(self.first_other_pair() as u32)
     }
 
     /// Returns the index of the first mask texel.
@@ -70,7 +101,27 @@ impl<'a> GeometryTexels<'a> {
             }
         }
         texels.extend_from_slice(&self.packed.masks);
+        if self.fetch == Fetch::Buffer {
+            let parents = self.parents(&texels);
+            texels.extend(parents);
+        }
         texels
+    }
+
+    /// Returns the parents of all pairs but the root, from the texels of all pairs.
+    fn parents(&self, texels: &[Texel]) -> Vec<Texel> {
+        let (pair, first, count) = (self.packed.pair_texels, self.first_other_pair(), self.other_pairs());
+        let mut words = vec![0; count.next_multiple_of(4)];
+        for parent in std::iter::once(0).chain(first..first + count) {
+            for child in 0..2 {
+                let link = texels[parent * pair + child * pair / 2][3];
+                // The pair of a scene without a tree has no children.
+                if let Some(word) = words.get_mut((link as usize).wrapping_sub(first)).filter(|_| link & LEAF == 0) {
+                    *word = parent as u32;
+                }
+            }
+        }
+        words.as_chunks().0.to_vec()
     }
 
     fn primitives_begin(&self) -> usize {
@@ -118,7 +169,8 @@ mod tests {
                 let geometry = GeometryTexels::new(&packed, fetch);
                 let texels = geometry.texels();
                 assert_eq!(texels.len(), geometry.count(), "{count} {boxes:?} {fetch:?}");
-                assert_eq!(texels[geometry.masks_begin()..], packed.masks, "{count} {boxes:?} {fetch:?}");
+                let masks = &texels[geometry.masks_begin()..geometry.parents_begin()];
+                assert_eq!(masks, packed.masks, "{count} {boxes:?} {fetch:?}");
                 let pair = packed.pair_texels;
                 for slot in 0..packed.ids.len() {
                     for texel in 0..3 {
@@ -137,6 +189,10 @@ mod tests {
                             (packed.nodes[ours * pair + texel], texels[theirs * pair + texel]);
                         if texel % (pair / 2) == 0 && expected[3] & LEAF == 0 {
                             pending.push((expected[3] as usize, found[3] as usize));
+                            if fetch == Fetch::Buffer {
+                                let word = geometry.parents_word().wrapping_add(found[3]) as usize;
+                                assert_eq!(texels[word / 4][word % 4] as usize, theirs);
+                            }
                             (expected[3], found[3]) = (0, 0);
                         }
                         assert_eq!(found, expected, "{ours} {theirs} {fetch:?}");

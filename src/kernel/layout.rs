@@ -154,15 +154,9 @@ pub(crate) struct Bvh {
     pub(crate) extent: f32,
     pub(crate) grid_cell: [f32; 3],
     pub(crate) zero: u32,
-}
-
-/// `Bvh` of shaders/shared/fetch.wgsl for scenes with cut-outs.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(crate) struct CutOutBvh {
-    pub(crate) bvh: Bvh,
     pub(crate) cutouts: u32,
-    pub(crate) _pad: [u32; 3],
+    pub(crate) parents: u32,
+    pub(crate) _pad: [u32; 2],
 }
 
 /// `Pixel` of shaders/shared/pixels.wgsl.

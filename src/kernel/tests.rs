@@ -2,6 +2,7 @@
 //! host.
 
 mod layouts;
+mod shapes;
 mod variants;
 
 use std::collections::BTreeSet;
@@ -71,6 +72,23 @@ fn every_distinct_module_is_written_to_target_wgsl() {
         std::fs::write(format!("{folder}/{number:04}_{}.wgsl", kernel.name), text).unwrap();
     }
     assert_eq!(std::fs::read_dir(folder).unwrap().count(), modules.len());
+}
+
+/// Writes the modules of GPUs for `scripts/check_shapes.sh`, which compiles them for a GPU.
+#[test]
+fn modules_of_gpus_are_written_to_target_shapes() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/shapes");
+    let _ = std::fs::remove_dir_all(folder);
+    std::fs::create_dir_all(folder).unwrap();
+    let mut seen = BTreeSet::new();
+    for kernel in ALL {
+        for (kind, text) in shapes::modules_of(kernel) {
+            if seen.insert(text.clone()) {
+                std::fs::write(format!("{folder}/{}.{kind}.wgsl", kernel.name), text).unwrap();
+            }
+        }
+    }
+    assert!(seen.len() > 90, "{}", seen.len());
 }
 
 #[test]

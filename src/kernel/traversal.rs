@@ -37,6 +37,17 @@ impl RaysPerLane {
     }
 }
 
+/// Where a traversal keeps the links that it has yet to follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Stack {
+    /// In an array of each thread, as deep as the tree.
+    Private,
+    /// In 4 KiB of workgroup memory, for traversals with one ray per lane that count nothing and run in one dispatch.
+    /// Links beyond 16 are found again from the tree (`shaders/shared/stack.wgsl`).
+    Workgroup,
+}
+
 /// A variant of the traversal. It affects the time only, not the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -47,6 +58,8 @@ pub struct Traversal {
     pub boxes: Boxes,
     /// Number of rays that a thread traces.
     pub rays: RaysPerLane,
+    /// Where stacks are.
+    pub stack: Stack,
 }
 
 impl Traversal {
@@ -54,10 +67,15 @@ impl Traversal {
     /// convention.
     pub fn of(gpu: &Gpu) -> Self {
         match gpu.adapter_info().device_type {
-            wgpu::DeviceType::Cpu => Self { fetch: Fetch::Texture, boxes: Boxes::F32, rays: RaysPerLane::Four },
-            _ => Self { fetch: Fetch::Buffer, boxes: Boxes::Grid16, rays: RaysPerLane::One },
+            wgpu::DeviceType::Cpu => Self::CPU,
+            _ => Self::GPU,
         }
     }
+
+    const CPU: Self = Self { fetch: Fetch::Texture, boxes: Boxes::F32, rays: RaysPerLane::Four, stack: Stack::Private };
+    /// Variant for GPUs. Arrays of threads are in memory there, or take many registers (benches/shapes.tsv).
+    pub(crate) const GPU: Self =
+        Self { fetch: Fetch::Buffer, boxes: Boxes::Grid16, rays: RaysPerLane::One, stack: Stack::Workgroup };
 
     /// Sets how the scene is read.
     pub fn fetch(mut self, fetch: Fetch) -> Self {
@@ -77,21 +95,34 @@ impl Traversal {
         self
     }
 
+    /// Sets where stacks are.
+    pub fn stack(mut self, stack: Stack) -> Self {
+        self.stack = stack;
+        self
+    }
+
+    /// Returns whether kernels read parents of nodes, which only buffers have.
+    pub(crate) fn climbs(self) -> bool {
+        (self.fetch, self.rays, self.stack) == (Fetch::Buffer, RaysPerLane::One, Stack::Workgroup)
+    }
+
     /// All variants.
     pub const ALL: &'static [Self] = {
-        const fn of(fetch: Fetch, boxes: Boxes, rays: RaysPerLane) -> Traversal {
-            Traversal { fetch, boxes, rays }
+        const fn of(fetch: Fetch, boxes: Boxes, rays: RaysPerLane, stack: Stack) -> Traversal {
+            Traversal { fetch, boxes, rays, stack }
         }
-        use {Boxes::*, Fetch::*, RaysPerLane::*};
+        use {Boxes::*, Fetch::*, RaysPerLane::*, Stack::*};
         &[
-            of(Texture, F32, Four),
-            of(Texture, F32, One),
-            of(Texture, Grid16, Four),
-            of(Texture, Grid16, One),
-            of(Buffer, Grid16, Four),
-            of(Buffer, Grid16, One),
-            of(Buffer, F32, Four),
-            of(Buffer, F32, One),
+            of(Texture, F32, Four, Private),
+            of(Texture, F32, One, Private),
+            of(Texture, Grid16, Four, Private),
+            of(Texture, Grid16, One, Private),
+            of(Buffer, Grid16, Four, Private),
+            of(Buffer, Grid16, One, Workgroup),
+            of(Buffer, F32, Four, Private),
+            of(Buffer, F32, One, Workgroup),
+            of(Buffer, Grid16, One, Private),
+            of(Buffer, F32, One, Private),
         ]
     };
 }
@@ -111,7 +142,11 @@ impl fmt::Display for Traversal {
             RaysPerLane::One => "1 ray",
             RaysPerLane::Four => "4 rays",
         };
-        f.pad(&format!("{fetch}, {boxes}, {rays}"))
+        let stack = match self.stack {
+            Stack::Private => "",
+            Stack::Workgroup => ", stacks in workgroups",
+        };
+        f.pad(&format!("{fetch}, {boxes}, {rays}{stack}"))
     }
 }
 
@@ -127,7 +162,8 @@ mod tests {
         assert_eq!(names.len(), Traversal::ALL.len(), "{names:?}");
         assert_eq!(Traversal::ALL[0].to_string(), "textures, f32, 4 rays");
         for with in Traversal::ALL {
-            assert_eq!(Traversal::ALL[0].fetch(with.fetch).boxes(with.boxes).rays(with.rays), *with);
+            let made = Traversal::ALL[0].fetch(with.fetch).boxes(with.boxes).rays(with.rays).stack(with.stack);
+            assert_eq!(made, *with);
         }
     }
 }

@@ -9,7 +9,7 @@ mod choices;
 use crate::{
     Material, Scene, ShadowReuse, Sky,
     ask::shadow_buffer::Reading,
-    kernel::traversal::{Boxes, Fetch, RaysPerLane, Traversal},
+    kernel::traversal::{Boxes, Fetch, RaysPerLane, Stack, Traversal},
     kernel::{Canvas, Hits, Role, SampleUse, Shading},
     view::rig::CameraModel,
 };
@@ -200,7 +200,12 @@ pub(crate) struct Variant {
 impl Variant {
     /// Variant of kernels that do not read the scene.
     pub(crate) const PIXELS: Self = Self {
-        traversal: Traversal { fetch: Fetch::Texture, boxes: Boxes::Grid16, rays: RaysPerLane::One },
+        traversal: Traversal {
+            fetch: Fetch::Texture,
+            boxes: Boxes::Grid16,
+            rays: RaysPerLane::One,
+            stack: Stack::Private,
+        },
         camera: CameraModel::Planar,
         triangles: false,
         spheres: false,
@@ -421,7 +426,10 @@ impl Variant {
     /// on every adapter, so that counters do not depend on the adapter.
     pub(crate) fn counting(self, count: bool, cost_map: bool) -> Self {
         let count = count || cost_map;
-        let rays = if count { RaysPerLane::One } else { self.traversal.rays };
-        Self { count, cost_map, traversal: self.traversal.rays(rays), ..self }
+        let traversal = match count {
+            true => self.traversal.rays(RaysPerLane::One).stack(Stack::Private),
+            false => self.traversal,
+        };
+        Self { count, cost_map, traversal, ..self }
     }
 }

@@ -123,6 +123,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "soft",
     "source_samples",
     "sphere",
+    "stack",
     "surfaces",
     "t_buffer",
     "table",

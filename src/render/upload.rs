@@ -107,7 +107,7 @@ pub struct UploadInfo {
     pub build: Duration,
     /// Time to pass the data to the driver.
     pub upload: Duration,
-    /// Size of the BVH's nodes in bytes.
+    /// Size of the BVH's nodes in bytes, and of their parents where the traversal reads these.
     pub node_bytes: u64,
     /// Size of the primitives and of the cut-out masks in bytes.
     pub primitive_bytes: u64,
@@ -362,13 +362,9 @@ impl Renderer {
         let room = before.map(|before| before.overwritten(0));
         let geometry = self.written("geometry", room, texels.count(), texels.texels().into_iter(), fetch).await?;
         let (table, pictures) = self.bring_table(scene, fetch, before).await?;
-        let bvh = || match packed.masks.is_empty() {
-            true => Ok(gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform))),
-            false => {
-                let cutouts = texels.masks_begin() as u32;
-                let uniform = layout::CutOutBvh { bvh: packed.uniform, cutouts, ..Default::default() };
-                Ok(gpu.uniform_buffer("bvh", bytemuck::bytes_of(&uniform)))
-            }
+        let bvh = || {
+            let [cutouts, parents] = [texels.masks_begin() as u32, texels.parents_word()];
+            Ok(gpu.uniform_buffer("bvh", bytemuck::bytes_of(&layout::Bvh { cutouts, parents, ..packed.uniform })))
         };
         let earlier = before.map(|before| &*before.shadowing);
         let shadowing = Shadowing::of(scene, &packed.components, packed.ids.len(), earlier);
@@ -397,7 +393,7 @@ impl Renderer {
                 traversal,
                 build,
                 upload: started.elapsed() - build,
-                node_bytes: size_of_val(packed.nodes.as_slice()) as u64,
+                node_bytes: size_of_val(packed.nodes.as_slice()) as u64 + texels.parents_bytes(),
                 primitive_bytes: (size_of_val(&*packed.primitives) + size_of_val(&*packed.masks)) as u64,
                 dropped_triangles: scene.degenerate_count(),
             },

@@ -103,6 +103,30 @@ fn every_variant_hits_what_a_search_through_all_primitives_hits() {
     }
 }
 
+/// Triangles stand behind each other, each 2.5 times as large as the one before. So the tree is a chain, and a ray from
+/// the front has over 16 links to follow. It passes all triangles but one beside their edges.
+#[test]
+fn rays_with_more_links_to_follow_than_a_stack_has_rows_find_their_hits() {
+    for seen in [3, 12, 21, 33] {
+        let mut scene = Scene::new();
+        for index in 0..34 {
+            let size = 2.5_f32.powi(index - 14);
+            let side = if index == seen { 1.0 } else { -1.0 };
+            let corners = [Vec3::new(-1.0, 1.0, 2.0), Vec3::new(1.0, -1.0, 2.0), Vec3::new(side, side, 2.0)];
+            scene.add_mesh(&Mesh::new(corners.map(|corner| corner * size).to_vec(), vec![[0, 1, 2]])).unwrap();
+        }
+        let directions = [[0.1, 0.2], [0.3, 0.3], [0.02, 0.01], [0.4, 0.45], [0.0, 0.2], [-0.2, 0.3]];
+        let rays = directions.map(|[x, y]| Ray::new(Vec3::ZERO, Vec3::new(x, y, 1.0)));
+        for &traversal in Traversal::ALL {
+            let renderer = renderer_by(traversal);
+            let uploaded = renderer.upload(&scene).wait().unwrap();
+            let hits = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
+            assert!(hits.iter().all(|hit| hit.primitive == seen as u32), "{traversal}, {seen}: {hits:?}");
+            assert!(renderer.any_hits(&uploaded, &rays).wait().unwrap().hits.iter().all(|hit| *hit), "{traversal}");
+        }
+    }
+}
+
 #[test]
 fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
     // If a second ball is far away, a cell of the grid is as wide as many triangles.

@@ -12,7 +12,7 @@ use crate::{
 
 impl Kernel {
     /// Returns the value of each choice in shared WGSL.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 37] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 38] {
         let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
@@ -20,6 +20,7 @@ impl Kernel {
             (false, true) => "spheres",
             (false, false) => "none",
         };
+        let is_shared = with.traversal.climbs() && dispatches == Dispatches::One && !with.count && primitives != "none";
         let texels = match primitives {
             _ if with.ellipsoids => "ellipsoids",
             "spheres" => "spheres",
@@ -120,6 +121,7 @@ impl Kernel {
             ("canvas", canvas),
             ("fetch", if with.traversal.fetch == Fetch::Texture { "texture" } else { "buffer" }),
             ("rays", if with.traversal.rays == RaysPerLane::One { "one" } else { "four" }),
+            ("stack", if is_shared { "workgroup" } else { "private" }),
             ("jitter", if with.jitter > 1 { "rows" } else { "none" }),
             ("dispatches", if dispatches == Dispatches::Many { "many" } else { "one" }),
             ("uv", if with.uv { "some" } else { "none" }),
