@@ -40,5 +40,5 @@ fn choose(@builtin(local_invocation_index) thread: u32) {
     let asked = max(shadow / pixels, frame.costs.asked);
     let bracket = asked * (1.0 - asked_anew) > frame.costs.least_spared;
     counters[frame.band.row_begin * COUNTERS + CHOSEN] = select(0u, BRACKET_CHOSEN, bracket);
-    if bracket { lists.heads[ALL_TRACED].workgroups_y = 0u; } else { lists.heads[TO_SEARCH].workgroups_y = 0u; }
+    atomicStore(&lists.heads[select(TO_SEARCH, ALL_TRACED, bracket)].workgroups_y, 0u);
 }

@@ -19,7 +19,7 @@ const BEFORE: f32 = 0.9999;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
-    let block = listed_tile_pixels(TO_RESOLVE, id.x);
+    let block = listed_tile_pixels(TO_RESOLVE, listed_thread(id));
     let pixels = block.pixels;
     let inside = block.wanted;
     if !any_ray(inside) { return; }

@@ -15,7 +15,7 @@ var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn shade_sky(@builtin(global_invocation_id) id: vec3u) {
-    let block = listed_tile_pixels(SKY, id.x);
+    let block = listed_tile_pixels(SKY, listed_thread(id));
     if !any_ray(block.wanted) { return; }
     let direction = rays_of(block.pixels).direction;
     let color = sky(direction);

@@ -16,7 +16,7 @@ var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn shade_tiles(@builtin(global_invocation_id) id: vec3u) {
-    let block = listed_tile_pixels(TO_RESOLVE, id.x);
+    let block = listed_tile_pixels(TO_RESOLVE, listed_thread(id));
     if !any_ray(block.wanted) { return; }
     let rays = rays_of(block.pixels);
     let found = target_hits(block.pixels, block.wanted);

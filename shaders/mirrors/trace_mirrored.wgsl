@@ -67,7 +67,7 @@ fn offset_from(surfaces: Surfaces, origin: vec3f, side: f32) -> vec3f {
 @compute @workgroup_size(LIST_WORKGROUP)
 fn trace_mirrored(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
     begin_stack(thread);
-    let listed = listed_pixels(TO_TRACE, id.x);
+    let listed = listed_pixels(TO_TRACE, listed_thread(id));
     if !any_ray(listed.wanted) { return; }
     let first = pixel_of_ray(listed.pixels, 0u);
     let own = rays_of(listed.pixels);

@@ -18,6 +18,6 @@ var<storage, read_write> counters: array<atomic<u32>>;
 @compute @workgroup_size(LIST_WORKGROUP)
 fn begin_listed_paths(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
     begin_stack(thread);
-    let listed = listed_pixels(TO_TRACE, id.x);
+    let listed = listed_pixels(TO_TRACE, listed_thread(id));
     if all_rays(listed.wanted) { begin_path(listed.pixels); }
 }

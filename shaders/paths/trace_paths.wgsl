@@ -19,8 +19,9 @@ const FIRST_ROULETTE: u32 = 3u;
 fn trace_paths(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
     begin_stack(thread);
     let ray = frame.paths.ray;
-    if id.x >= atomicLoad(&paths.heads[ray - 1u].count) { return; }
-    let index = paths.each[id.x].entries[(ray - 1u) & 1u];
+    let place = listed_thread(id);
+    if place >= atomicLoad(&paths.heads[ray - 1u].count) { return; }
+    let index = paths.each[place].entries[(ray - 1u) & 1u];
     var path = paths.each[index];
     let pixel = vec2u(index % frame.band.size.x, index / frame.band.size.x);
     begin_points(pixel, frame.paths.first + brought[index].paths - 1u);

@@ -17,7 +17,7 @@ var<storage, read_write> counters: array<atomic<u32>>;
 @compute @workgroup_size(LIST_WORKGROUP)
 fn shade_listed(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
     begin_stack(thread);
-    let listed = listed_pixels(TO_SHADE, id.x);
+    let listed = listed_pixels(TO_SHADE, listed_thread(id));
     if !any_ray(listed.wanted) { return; }
     let rays = rays_of(listed.pixels);
     let found = target_hits(listed.pixels, listed.wanted);

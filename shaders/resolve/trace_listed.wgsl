@@ -15,7 +15,7 @@ var<storage, read_write> counters: array<atomic<u32>>;
 @compute @workgroup_size(LIST_WORKGROUP)
 fn trace_listed(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
     begin_stack(thread);
-    let listed = listed_pixels(TO_TRACE, id.x);
+    let listed = listed_pixels(TO_TRACE, listed_thread(id));
     if !any_ray(listed.wanted) { return; }
     let free = target_hits(listed.pixels, listed.wanted).t;
     let rays = rays_of(listed.pixels);

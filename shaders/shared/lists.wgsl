@@ -1,4 +1,5 @@
 // Lists of target pixels and of tiles. The first three words of each head are the arguments of an indirect dispatch.
+// Beyond MOST_ACROSS workgroups, a dispatch has several rows of so many.
 
 //! use frame, lane, pixels, tiles, wanted
 
@@ -12,7 +13,7 @@ const ALL_TRACED: u32 = 5u;   // the pixels of a band
 
 struct ListHead {
     workgroups_x: atomic<u32>,
-    workgroups_y: u32,
+    workgroups_y: atomic<u32>,
     workgroups_z: u32,
     count: atomic<u32>,
 }
@@ -47,8 +48,11 @@ fn reserve(list: u32, count: u32) -> u32 {
 fn reserve_for(list: u32, count: u32, workgroup: u32) -> u32 {
     if count == 0u { return 0u; }
     let place = atomicAdd(&lists.heads[list].count, count);
-    let begun = (place + count + workgroup - 1u) / workgroup - (place + workgroup - 1u) / workgroup;
-    if begun > 0u { atomicAdd(&lists.heads[list].workgroups_x, begun); }
+    let begun = (place + count + workgroup - 1u) / workgroup;
+    if begun > (place + workgroup - 1u) / workgroup {
+        atomicMax(&lists.heads[list].workgroups_x, min(begun, MOST_ACROSS));
+        if begun > MOST_ACROSS { atomicMax(&lists.heads[list].workgroups_y, rows_of_workgroups(begun)); }
+    }
     return place;
 }
 

@@ -99,6 +99,10 @@ fn mean_variances(sum: Brought) -> vec2f {
 fn follow(index: u32, ray: u32) {
     let list = ray - 1u;
     let place = atomicAdd(&paths.heads[list].count, 1u);
-    if place % LIST_WORKGROUP == 0u { atomicAdd(&paths.heads[list].workgroups_x, 1u); }
+    if place % LIST_WORKGROUP == 0u {
+        let begun = place / LIST_WORKGROUP + 1u;
+        atomicMax(&paths.heads[list].workgroups_x, min(begun, MOST_ACROSS));
+        if begun > MOST_ACROSS { atomicMax(&paths.heads[list].workgroups_y, rows_of_workgroups(begun)); }
+    }
     paths.each[place].entries[list & 1u] = index;
 }

@@ -12,6 +12,13 @@ const MISS: u32 = 0xffffffffu;
 const WORKGROUP: u32 = 8u;
 // Threads of a workgroup in a dispatch over a list.
 const LIST_WORKGROUP: u32 = 64u;
+// Maximum number of workgroups in a row of a dispatch over a list.
+const MOST_ACROSS: u32 = 16384u;
+
+fn rows_of_workgroups(count: u32) -> u32 { return (count + MOST_ACROSS - 1u) / MOST_ACROSS; }
+
+// Returns the number of a thread in a dispatch over a list.
+fn listed_thread(id: vec3u) -> u32 { return id.y * (MOST_ACROSS * LIST_WORKGROUP) + id.x; }
 
 // The stored record of a view's pixel.
 struct Pixel {

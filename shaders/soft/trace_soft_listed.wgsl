@@ -15,7 +15,7 @@ var<storage, read_write> counters: array<atomic<u32>>;
 @compute @workgroup_size(LIST_WORKGROUP)
 fn trace_soft_listed(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
     begin_stack(thread);
-    let listed = listed_pixels(TO_SHADE, id.x);
+    let listed = listed_pixels(TO_SHADE, listed_thread(id));
     if !any_ray(listed.wanted) { return; }
     ask_light(listed.pixels, listed.wanted);
 }

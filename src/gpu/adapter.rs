@@ -107,6 +107,11 @@ fn tries() -> Vec<wgpu::Backends> {
 async fn offered(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     descriptor.backends = backends;
+    // wgpu checks the arguments of indirect dispatches by a dispatch of its own, which takes longer than an empty list.
+    // All arguments are ours and within every device's limits (shaders/shared/lists.wgsl).
+    if std::env::var_os("WGPU_VALIDATION_INDIRECT_CALL").is_none() {
+        descriptor.flags.remove(wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL);
+    }
     let instance = wgpu::Instance::new(descriptor);
     if cfg!(target_arch = "wasm32") {
         // A browser offers no list of adapters. It returns the most suitable one.

@@ -45,6 +45,7 @@ pub(crate) fn limits_over(others: wgpu::Limits) -> wgpu::Limits {
         max_uniform_buffers_per_shader_stage: 2,
         max_buffers_and_acceleration_structures_per_shader_stage: 9,
         max_compute_invocations_per_workgroup: 64,
+        max_compute_workgroup_storage_size: 4864,
         max_compute_workgroup_size_x: 64,
         max_compute_workgroup_size_y: 8,
         max_compute_workgroup_size_z: 1,

@@ -97,6 +97,7 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
     let asked = limits_over(needed.clone());
     // This limit belongs to a dispatch, not to a kernel.
     needed.max_compute_workgroups_per_dimension = asked.max_compute_workgroups_per_dimension;
+    needed.max_compute_workgroup_storage_size = 0;
     needed.max_bind_groups = 0;
     needed.max_bindings_per_bind_group = 0;
     needed.max_uniform_buffers_per_shader_stage = 0;
@@ -112,6 +113,10 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
         raise(|limits| &mut limits.max_compute_workgroup_size_y, y);
         raise(|limits| &mut limits.max_compute_workgroup_size_z, z);
         raise(|limits| &mut limits.max_compute_invocations_per_workgroup, x * y * z);
+        let layouts = module.global_variables.iter().filter(|(_, one)| one.space == naga::AddressSpace::WorkGroup);
+        let bytes = |ty: naga::Handle<naga::Type>| module.types[ty].inner.size(module.to_ctx()).next_multiple_of(16);
+        let storage = layouts.map(|(_, variable)| bytes(variable.ty)).sum();
+        raise(|limits| &mut limits.max_compute_workgroup_storage_size, storage);
         let mut count = [0; 4];
         for (_, variable) in module.global_variables.iter() {
             let Some(binding) = &variable.binding else { continue };

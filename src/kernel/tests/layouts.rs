@@ -160,6 +160,7 @@ fn counters_and_marks_have_the_same_numbers_in_both_languages() {
     let numbers = [
         ("WORKGROUP", layout::WORKGROUP),
         ("LIST_WORKGROUP", layout::LIST_WORKGROUP),
+        ("MOST_ACROSS", crate::gpu::MAX_WORKGROUPS),
         ("COUNTERS", layout::COUNTERS as u32),
         ("NO_NORMAL", layout::NO_NORMAL),
         ("SHADOW_RAYS", layout::SHADOW_RAYS as u32),
