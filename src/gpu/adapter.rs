@@ -107,8 +107,8 @@ fn tries() -> Vec<wgpu::Backends> {
 async fn offered(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     descriptor.backends = backends;
-    // wgpu checks the arguments of indirect dispatches by a dispatch of its own, which takes longer than an empty list.
-    // All arguments are ours and within every device's limits (shaders/shared/lists.wgsl).
+    // wgpu checks the arguments of each indirect dispatch by a dispatch of its own. All arguments are ours and within
+    // every device's limits (shaders/shared/lists.wgsl).
     if std::env::var_os("WGPU_VALIDATION_INDIRECT_CALL").is_none() {
         descriptor.flags.remove(wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL);
     }

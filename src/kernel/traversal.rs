@@ -73,7 +73,7 @@ impl Traversal {
     }
 
     const CPU: Self = Self { fetch: Fetch::Texture, boxes: Boxes::F32, rays: RaysPerLane::Four, stack: Stack::Private };
-    /// Variant for GPUs. Arrays of threads are in memory there, or take many registers (benches/shapes.tsv).
+    /// Variant for GPUs. Arrays of threads are in memory there, or take many registers (scripts/shapes/shapes.tsv).
     pub(crate) const GPU: Self =
         Self { fetch: Fetch::Buffer, boxes: Boxes::Grid16, rays: RaysPerLane::One, stack: Stack::Workgroup };
 

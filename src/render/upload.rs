@@ -107,7 +107,7 @@ pub struct UploadInfo {
     pub build: Duration,
     /// Time to pass the data to the driver.
     pub upload: Duration,
-    /// Size of the BVH's nodes in bytes, and of their parents where the traversal reads these.
+    /// Size of the BVH's nodes in bytes, and of the indices of their parents, which only buffers have.
     pub node_bytes: u64,
     /// Size of the primitives and of the cut-out masks in bytes.
     pub primitive_bytes: u64,

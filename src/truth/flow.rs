@@ -161,7 +161,7 @@ impl Renderer {
             let points = own.points(view, first..count.min(first + PART));
             let ray = |point: &Point| {
                 let (origin, direction) = eye.ray_through(point.place);
-                Ray::new(origin, direction.as_vec3()).t_max((point.depth * (1.0 - SAME_POINT)) as f32)
+                Ray::new(origin, direction.as_vec3()).t_max(point.reached_from() as f32)
             };
             let in_frame = points.iter().filter(|point| point.class == FlowClass::Visible);
             let rays: Vec<Ray> = in_frame.map(ray).collect();
@@ -175,7 +175,7 @@ impl Renderer {
                     && hits.next().is_some_and(|(hit, ray)| {
                         let is_itself =
                             hit.primitive == point.primitive && point.outward.dot(ray.direction.as_dvec3()) <= 0.0;
-                        !is_itself && f64::from(hit.t) < point.depth * (1.0 - SAME_POINT)
+                        !is_itself && f64::from(hit.t) < point.reached_from()
                     });
                 found.class.push(if is_hidden { FlowClass::Hidden } else { point.class });
             }
@@ -236,6 +236,13 @@ struct Point {
     disparity_change: f32,
     displacement: [f32; 3],
     class: FlowClass,
+}
+
+impl Point {
+    /// Returns the depth from which on a hit is taken as the point.
+    fn reached_from(&self) -> f64 {
+        self.depth * (1.0 - SAME_POINT)
+    }
 }
 
 /// Rays of one eye's pixels, and projections of their points at both times.

@@ -15,7 +15,7 @@ const STACK: u32 = 40;
 fn kinds() -> [(&'static str, Variant); 6] {
     let hall = Variant::over_tree(&Builtin::Hall.scene(), Traversal::GPU, false, STACK);
     let hall = Variant { samples: true, bits: ShadowReuse::Two, ..hall };
-    // What a glTF file of today has.
+    // The features that most glTF files use.
     let gltf = Variant {
         triangles: true,
         spheres: false,
