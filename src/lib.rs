@@ -157,8 +157,8 @@ pub use error::Error;
 pub use frame::view::{PixelSource, ShadowSource, View};
 pub use frame::work::{Rays, Work};
 pub use frame::{OnRows, Rows, ViewRows};
-pub use gpu::PassTimes;
 pub use gpu::{Adapter, Gpu};
+pub use gpu::{GpuWork, PassTimes};
 #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
 pub use import::input::Limits;
 #[cfg(feature = "scene-files")]

@@ -26,6 +26,14 @@ pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
     }
 }
 
+/// Maximum size of the buffers in which the results of bands wait for the host. There are always two.
+pub(crate) fn read_back_bytes(gpu: &Gpu) -> u64 {
+    match gpu.adapter_info().device_type {
+        wgpu::DeviceType::Cpu => 0,
+        _ => 1 << 28,
+    }
+}
+
 /// Division of a picture's rows into bands. Rows are epipolar lines of every pair of views (DESIGN, section 2). So all
 /// steps of a band can run before the next band. Data between steps take the memory of one band, for any size of
 /// picture.

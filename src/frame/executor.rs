@@ -146,8 +146,14 @@ impl<'a> Executor<'a> {
         pass.set_pipeline(&pipeline.pipeline);
         pass.set_bind_group(0, &group, &[]);
         match workgroups {
-            Workgroups::Number([x, y, z]) => pass.dispatch_workgroups(x, y, z),
-            Workgroups::Listed(..) => pass.dispatch_workgroups_indirect(self.indirect.expect("as above"), 0),
+            Workgroups::Number([x, y, z]) => {
+                self.gpu.counted.dispatches.add(1);
+                pass.dispatch_workgroups(x, y, z);
+            }
+            Workgroups::Listed(..) => {
+                self.gpu.counted.indirect_dispatches.add(1);
+                pass.dispatch_workgroups_indirect(self.indirect.expect("as above"), 0);
+            }
         }
     }
 }

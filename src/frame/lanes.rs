@@ -62,7 +62,7 @@ impl Lanes {
         let clear = || {
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             encoder.clear_buffer(&self.buffer, 0, None);
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit([encoder.finish()]);
             gpu.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(&[threads, rounds]));
             Ok(())
         };

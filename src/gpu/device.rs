@@ -8,6 +8,7 @@ use std::{
 use super::{
     adapter::{Adapter, describe},
     pipelines::Held,
+    work::{Counted, GpuWork},
 };
 use crate::Error;
 
@@ -21,6 +22,7 @@ pub struct Gpu {
     pub(crate) timestamps: bool,
     lost: Arc<Mutex<Option<String>>>,
     pub(super) pipelines: Arc<Held>,
+    pub(crate) counted: Arc<Counted>,
     /// Held while a thread polls the device.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) polling: Arc<Mutex<()>>,
@@ -147,6 +149,7 @@ impl Gpu {
             timestamps: device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
             lost: Arc::default(),
             pipelines: Arc::default(),
+            counted: Arc::default(),
             #[cfg(not(target_arch = "wasm32"))]
             polling: Arc::default(),
             device,
@@ -182,6 +185,11 @@ impl Gpu {
     /// Returns the queue, which is shared.
     pub fn queue(&self) -> &wgpu::Queue {
         &self.queue
+    }
+
+    /// Returns the work that this `Gpu` and its clones have given to the device so far.
+    pub fn work(&self) -> GpuWork {
+        self.counted.so_far()
     }
 
     /// Returns the size of the largest storage buffer that a kernel can bind, in bytes.

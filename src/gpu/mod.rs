@@ -7,6 +7,7 @@ mod staging;
 mod timing;
 mod transfer;
 mod wait;
+mod work;
 
 pub use adapter::{ADAPTER_VARIABLE, Adapter};
 pub use device::Gpu;
@@ -23,3 +24,4 @@ pub(crate) use timing::{Timestamps, add_times};
 pub use transfer::Fetch;
 pub(crate) use transfer::{TEXTURE_WIDTH, Texel, Texels, check_bytes};
 pub(crate) use wait::Submission;
+pub use work::GpuWork;

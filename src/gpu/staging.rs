@@ -53,6 +53,7 @@ impl Filling {
         gpu.finished(self.submission).await?;
         let lost = |error: &dyn std::fmt::Display| Error::DeviceLost(gpu.loss().unwrap_or(error.to_string()));
         self.mapped.await.map_err(|error| lost(&error))?.map_err(|error| lost(&error))?;
+        gpu.counted.bytes_read.add(self.staging.bytes());
         let range = self.staging.0.get_mapped_range(..).map_err(|error| lost(&error))?;
         let value = read(&range);
         drop(range);

@@ -39,6 +39,8 @@ pub(crate) struct Timestamps {
     resolved: wgpu::Buffer,
     /// Name of the pass of each pair.
     names: Vec<&'static str>,
+    /// Number of these passes that are not of the current band.
+    before: usize,
     /// Whether there were more passes than pairs.
     full: bool,
 }
@@ -62,6 +64,7 @@ impl Timestamps {
                 mapped_at_creation: false,
             }),
             names: Vec::new(),
+            before: 0,
             full: false,
         })
     }
@@ -69,6 +72,7 @@ impl Timestamps {
     /// Forgets the passes of the last frame.
     pub(crate) fn restart(&mut self) {
         self.names.clear();
+        self.before = 0;
         self.full = false;
     }
 
@@ -95,16 +99,26 @@ impl Timestamps {
     /// Maximum number of bytes that [`Timestamps::resolve`] writes.
     pub(crate) const BYTES: u64 = MAX_QUERIES as u64 * 8;
 
+    /// Ends a band. Returns whether a next band of as many passes finds no room.
+    pub(crate) fn end_band(&mut self) -> bool {
+        let passes = self.names.len() - self.before;
+        self.before = self.names.len();
+        2 * (self.names.len() + passes) > MAX_QUERIES as usize
+    }
+
     /// Encodes a copy of all timestamps since the last call into the buffer `to`, from `offset` on. Returns the names
     /// of their passes.
     pub(crate) fn resolve(
         &mut self,
+        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         to: &wgpu::Buffer,
         offset: u64,
     ) -> Vec<&'static str> {
         let names = std::mem::take(&mut self.names);
+        self.before = 0;
         if !names.is_empty() {
+            gpu.counted.timestamp_reads.add(1);
             encoder.resolve_query_set(&self.queries, 0..2 * names.len() as u32, &self.resolved, 0);
             encoder.copy_buffer_to_buffer(&self.resolved, 0, to, offset, Some(16 * names.len() as u64));
         }
@@ -117,7 +131,7 @@ impl Timestamps {
         let fill = || {
             let staging = Staging::new(gpu, Self::BYTES);
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let names = self.resolve(&mut encoder, staging.buffer(), 0);
+            let names = self.resolve(gpu, &mut encoder, staging.buffer(), 0);
             Ok((names, staging.fill(gpu, encoder.finish())))
         };
         let (names, filling) = gpu.checked(fill).await?;

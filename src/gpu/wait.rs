@@ -10,6 +10,7 @@ impl Gpu {
     /// # Errors
     /// [`Error::DeviceLost`].
     pub(crate) async fn finished(&self, submission: Submission) -> Result<(), Error> {
+        self.counted.waits.add(1);
         let waited = self.wait(submission).await;
         match self.loss() {
             Some(reason) => Err(Error::DeviceLost(reason)),
@@ -34,6 +35,7 @@ mod target {
     impl Gpu {
         /// Submits commands to the device.
         pub(crate) fn submit(&self, commands: impl IntoIterator<Item = wgpu::CommandBuffer>) -> Submission {
+            self.counted.submissions.add(1);
             Submission(self.queue.submit(commands))
         }
 
@@ -83,6 +85,7 @@ mod target {
     impl Gpu {
         /// Submits commands to the device.
         pub(crate) fn submit(&self, commands: impl IntoIterator<Item = wgpu::CommandBuffer>) -> Submission {
+            self.counted.submissions.add(1);
             self.queue.submit(commands);
             let (sender, done) = channel();
             self.queue.on_submitted_work_done(move || {

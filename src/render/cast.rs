@@ -209,7 +209,7 @@ impl<'a> List<'a> {
             for _ in 0..times {
                 executor.run(&mut encoder, kernel.name, (kernel, self.variant), &self.resources, workgroups);
             }
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit([encoder.finish()]);
             Ok(())
         };
         gpu.checked(launch).await?;

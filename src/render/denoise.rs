@@ -126,7 +126,7 @@ impl Renderer {
                 executor.run(&mut encoder, kernel.name, (kernel, Variant::PIXELS), &resources, workgroups);
                 light.swap(0, 1);
             }
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit([encoder.finish()]);
             Ok((light, surfaces))
         };
         let (light, surfaces) = gpu.checked(run).await?;

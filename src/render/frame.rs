@@ -1,6 +1,6 @@
-//! Renders a frame: runs the plan of its method for each band. At most two bands are in flight.
+//! Renders a frame: runs the plan of its method for each band. Several bands are in flight.
 
-use std::sync::Arc;
+use std::{collections::VecDeque, sync::Arc};
 
 use super::tally::Tally;
 use crate::{
@@ -80,7 +80,7 @@ struct Frame<'a> {
     used: &'a Used,
     wanted: Wanted<'a>,
     read_back: ReadBack,
-    /// Free staging buffers.
+    /// Free staging buffers, as many as more bands can be in flight.
     stagings: Vec<Staging>,
     steps: Steps,
     tallies: Vec<Tally>,
@@ -142,7 +142,8 @@ impl Renderer {
         // The staging buffers leave the cache while the frame is in progress. If a cancelled frame leaves a buffer
         // mapped, that buffer is not reused.
         let mut stagings = self.cache.staging_of(bytes);
-        let in_flight = targets.shape.bands.count().min(2) as usize;
+        let most = (self.read_back_bytes / bytes).max(2);
+        let in_flight = u64::from(targets.shape.bands.count()).min(most) as usize;
         let make = || Ok((stagings.len()..in_flight).map(|_| Staging::new(&self.gpu, bytes)).collect::<Vec<_>>());
         stagings.extend(self.gpu.checked(make).await?);
         let (tables, shadow_buffer) = tables.unzip();
@@ -460,22 +461,24 @@ fn parts_of(scene: &UploadedScene, options: &Options) -> impl Iterator<Item = Pa
 }
 
 impl Frame<'_> {
-    /// Runs all bands. At most two are in flight.
+    /// Runs all bands. As many are in flight as have a staging buffer.
     async fn run(&mut self) -> Result<(), Error> {
         self.driver.begin(&self.plan).await?;
         let bands = self.targets.shape.bands;
-        let mut flight: Option<Flight> = None;
+        let mut flights = VecDeque::new();
         let top = self.wanted.rows(self.targets.shape.size).start;
         for band in (0..bands.count()).map(|index| bands.get(index).moved_down(top)) {
-            let next = if self.steps.always { self.in_steps(band).await? } else { self.at_once(band).await? };
-            if let Some(before) = flight.replace(next) {
-                self.land(before).await?;
+            if self.stagings.is_empty()
+                && let Some(first) = flights.pop_front()
+            {
+                self.land(first).await?;
             }
+            flights.push_back(if self.steps.always { self.in_steps(band).await? } else { self.at_once(band).await? });
         }
-        match flight {
-            Some(last) => self.land(last).await,
-            None => Ok(()),
+        for flight in flights {
+            self.land(flight).await?;
         }
+        Ok(())
     }
 
     /// Runs all passes of a band by the frame's plan.
@@ -503,13 +506,17 @@ impl Frame<'_> {
         in_steps: bool,
     ) -> Result<Flight, Error> {
         let (driver, targets, read_back) = (&mut self.driver, self.targets, self.read_back);
+        let top = self.wanted.rows(targets.shape.size).start;
         let staging = self.stagings.pop().expect("as many as are in flight");
         let gpu = driver.gpu();
         let submit = || {
             read_back.encode(driver, targets, &mut commands, &band, staging.buffer());
             let offset = read_back.times_offset();
-            let timestamps = driver.timestamps();
-            let names = timestamps.map(|times| times.resolve(&mut commands, staging.buffer(), offset));
+            let is_last = band.rows.end == top + targets.shape.bands.height();
+            let names = driver.timestamps().and_then(|times| {
+                let due = times.end_band() || is_last || in_steps;
+                due.then(|| times.resolve(gpu, &mut commands, staging.buffer(), offset))
+            });
             let filling = staging.fill(gpu, commands.finish());
             Ok(Flight { band, filling, names: names.unwrap_or_default(), in_steps })
         };

@@ -35,6 +35,8 @@ pub struct Renderer {
     pub(crate) cache: frame::Cache,
     pub(crate) timestamps: Option<Timestamps>,
     pub(crate) band_pixels: u32,
+    /// Maximum size of the buffers in which bands in flight wait to be read.
+    pub(crate) read_back_bytes: u64,
     /// Number of runs that rows of workgroups are divided into (`launched_row` of shaders/shared/pixels.wgsl).
     pub(crate) runs: u32,
     /// Whether `bracket` searches each tile by a workgroup. A thread per tile would leave most of a GPU idle.
@@ -66,6 +68,7 @@ impl Renderer {
             cache: frame::Cache::default(),
             timestamps: Timestamps::new(&gpu),
             band_pixels: frame::band_pixels(&gpu),
+            read_back_bytes: frame::read_back_bytes(&gpu),
             runs: gpu.threads(),
             searches_together: gpu.adapter_info().device_type != wgpu::DeviceType::Cpu,
             steps: Steps::default(),

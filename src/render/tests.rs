@@ -141,6 +141,41 @@ fn buffer(depth: BufferDepth) -> Method {
     Method::Buffer(depth, Check::None)
 }
 
+/// Pins what a frame gives to an adapter that is no CPU: one submission per band, and no wait before the last one.
+/// Timestamps are copied once.
+#[test]
+fn a_gpu_gets_a_submission_per_band_and_is_waited_for_at_the_end() {
+    let builtin = crate::scene::builtin::Builtin::Spheres;
+    let mut renderer = Renderer::with_traversal(renderer(USUAL).gpu, Traversal::GPU);
+    (renderer.band_pixels, renderer.read_back_bytes, renderer.searches_together) = (1 << 21, 1 << 28, true);
+    let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
+    for (size, method, bands, dispatches) in [
+        ([1920, 1080], Method::Naive, 1, [4, 0]),
+        ([1920, 1080], Method::BRACKET, 1, [6, 5]),
+        ([3840, 2160], Method::BRACKET, 4, [24, 20]),
+    ] {
+        let camera = builtin.camera(size[0], size[1]);
+        let options = Options::new(method).g_buffer(GBuffer::None);
+        let gpu = renderer.gpu.clone();
+        let before = gpu.work();
+        let mut at_first = None;
+        let mut landed = |_| {
+            at_first.get_or_insert(gpu.work());
+            ControlFlow::Continue(())
+        };
+        renderer.pair(&uploaded, &camera).options(&options).progress(&mut landed).read().wait().unwrap();
+        let (work, at_first) = (gpu.work() - before, at_first.unwrap() - before);
+        assert_eq!((at_first.submissions, at_first.waits), (bands, 1), "{method} {size:?}: {work:?}");
+        assert_eq!((work.submissions, work.waits), (bands, bands), "{method} {size:?}: {work:?}");
+        let dispatched = [work.dispatches, work.indirect_dispatches];
+        assert_eq!(dispatched, dispatches, "{method} {size:?}: {work:?}");
+        let pixels = 2 * u64::from(size[0] * size[1]) * 4;
+        assert!((pixels..pixels * 11 / 10).contains(&work.bytes_read), "{method} {size:?}: {work:?}");
+        let has_times = u64::from(gpu.timestamps);
+        assert_eq!(work.timestamp_reads, has_times, "{method} {size:?}: {work:?}");
+    }
+}
+
 /// Runs reprojection alone on given source depths. Returns the keys of samples, and the number of lost candidates.
 fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let mut renderer = renderer(64 * 16);

@@ -234,7 +234,7 @@ impl Filler<'_> {
                 let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
                 filling.encode(&mut encoder, layer, &band);
                 texture.encode_copy(&mut encoder, index, [columns, per_row], &band, filling.filled());
-                gpu.queue.submit([encoder.finish()]);
+                gpu.submit([encoder.finish()]);
                 Ok(())
             };
             gpu.checked(submit).await?;

@@ -55,7 +55,7 @@ impl Driver<'_> {
                 self.upload_uniforms();
                 let mut encoder = self.encoder();
                 self.encode_all(&mut encoder, steps);
-                gpu.queue.submit([encoder.finish()]);
+                gpu.submit([encoder.finish()]);
                 Ok(())
             };
             gpu.checked(run).await?;

@@ -34,7 +34,7 @@ impl Driver<'_> {
         let clear = || {
             let mut encoder = self.encoder();
             self.clear(&mut encoder, false);
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit([encoder.finish()]);
             Ok(())
         };
         gpu.checked(clear).await?;
@@ -48,7 +48,7 @@ impl Driver<'_> {
             for InSteps { after, .. } in &plan.in_steps {
                 self.encode_all(&mut encoder, after);
             }
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit([encoder.finish()]);
             Ok(())
         };
         gpu.checked(follow).await?;
@@ -93,7 +93,7 @@ impl Driver<'_> {
                     for _ in 0..DISPATCHES {
                         self.encode(&mut encoder, of_view.trace);
                     }
-                    gpu.queue.submit([encoder.finish()]);
+                    gpu.submit([encoder.finish()]);
                     Ok(())
                 };
                 gpu.checked(submit).await?;
