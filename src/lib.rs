@@ -118,6 +118,7 @@ pub mod output;
 #[cfg_attr(not(any(test, feature = "testing")), allow(unreachable_pub, dead_code, reason = "tests use all of it"))]
 mod random;
 mod render;
+mod report;
 mod sampling;
 pub mod scene;
 mod shadow_buffer;
@@ -174,6 +175,7 @@ pub use render::{Encoded, EncodedView};
 pub use render::{FrameBuilder, MotionBlur, Passes, Renderer};
 pub use render::{RigView, Views};
 pub use render::{Update, UploadInfo, UploadedScene};
+pub use report::{Report, ReportEntry, ReportMethod, ReportPlan};
 #[cfg(feature = "scene-files")]
 pub use scene::animation::Animation;
 pub use scene::builtin::Builtin;

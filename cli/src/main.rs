@@ -36,7 +36,7 @@ use stereotrace::message;
 
 use crate::{
     arguments::{Cli, Command},
-    commands::{compare, dataset, info, render, sequence, views},
+    commands::{bench, compare, dataset, info, render, sequence, views},
     stop::{INTERRUPTED, Interrupted},
     summary::Summary,
 };
@@ -77,6 +77,7 @@ fn run(cli: &Cli) -> Result<Summary, Box<dyn Error>> {
         Command::Views(arguments) => views::run(arguments, global),
         Command::View(arguments) => view::run(arguments, global),
         Command::Compare(arguments) => compare::run(arguments, global),
+        Command::Bench(arguments) => bench::run(arguments, global),
         Command::Info(arguments) => info::run(arguments, global),
         Command::Completions { shell } => {
             clap_complete::generate(*shell, &mut arguments::command(), "stereotrace", &mut io::stdout());

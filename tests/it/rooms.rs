@@ -9,7 +9,7 @@ use std::{
 use crate::common::files_below;
 
 /// The modules and single files of src/, from the lowest to the highest.
-const FLOORS: [&str; 23] = [
+const FLOORS: [&str; 24] = [
     "message",
     "error",
     "random",
@@ -29,6 +29,7 @@ const FLOORS: [&str; 23] = [
     "sampling",
     "render",
     "truth",
+    "report",
     "output",
     "dataset",
     "blocking",

@@ -25,7 +25,7 @@ use clap_complete::Shell;
 use stereotrace::{Gpu, blocking::Wait};
 
 use crate::{
-    commands::{compare, dataset, info, render, sequence, views},
+    commands::{bench, compare, dataset, info, render, sequence, views},
     view,
 };
 
@@ -39,6 +39,7 @@ Examples:
   stereotrace view bunny.obj                              a window with a live anaglyph
   stereotrace dataset room.obj --pairs 200 --layout kitti --size 1242x375 --out data
   stereotrace compare sponza.obj --methods bracket,atomic cost and errors of these methods
+  stereotrace bench                                       how fast this machine's adapter is, as a report
   stereotrace info bunny.obj                              what the file contains, and this machine's adapters
 
 Exit status:
@@ -103,6 +104,8 @@ pub(crate) enum Command {
     Dataset(Box<dataset::Arguments>),
     /// Measure the cost and the errors of each method on a scene, against tracing both eyes
     Compare(Box<compare::Arguments>),
+    /// Measure this machine's adapter with built-in scenes, and write a report to send
+    Bench(bench::Arguments),
     /// Show what a scene file contains, how comfortable its picture is to view, and this machine's adapters
     Info(Box<info::Arguments>),
     /// Print completions for a shell

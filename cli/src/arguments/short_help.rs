@@ -25,12 +25,13 @@ const COMMON: &[&str] = &[
     "layout",
     "pairs",
     "methods",
+    "seconds",
     "quiet",
     "help",
 ];
 
 /// Example command lines of each command.
-const EXAMPLES: [(&str, &[&str]); 7] = [
+const EXAMPLES: [(&str, &[&str]); 8] = [
     (
         "render",
         &[
@@ -70,6 +71,7 @@ const EXAMPLES: [(&str, &[&str]); 7] = [
             "stereotrace compare sponza.obj --methods bracket,atomic",
         ],
     ),
+    ("bench", &["stereotrace bench    out/bench.json and out/bench.html, in a minute at most"]),
     ("info", &["stereotrace info bunny.obj    the file's content, and this machine's adapters"]),
 ];
 

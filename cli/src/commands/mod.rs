@@ -1,5 +1,6 @@
 //! Each file implements one command: its arguments, its work and its summary.
 
+pub(crate) mod bench;
 pub(crate) mod compare;
 pub(crate) mod dataset;
 pub(crate) mod info;

@@ -1,0 +1,157 @@
+//! Measures the methods on one scene at one size.
+
+use std::time::Duration;
+
+use web_time::Instant;
+
+use super::{ReportEntry, ReportMethod};
+use crate::{
+    Builtin, Error, GpuWork, Method, Options, Renderer, Statistics, StereoCamera, StereoPair, UploadedScene, metrics,
+};
+
+/// A scene at one size, and how it is measured.
+pub(super) struct Test<'a> {
+    pub(super) scene: Builtin,
+    pub(super) size: [u32; 2],
+    pub(super) methods: &'a [Method],
+    pub(super) rounds: usize,
+}
+
+/// A picture for an estimate has this share of the width and of the height.
+const PROBE: u32 = 8;
+
+impl Test<'_> {
+    fn camera(&self) -> StereoCamera {
+        self.scene.camera(self.size[0], self.size[1])
+    }
+
+    /// Returns the time from the upload to the first pair.
+    pub(super) async fn first(&self, renderer: &mut Renderer) -> Result<Duration, Error> {
+        let scene = self.scene.scene();
+        let begin = Instant::now();
+        let uploaded = renderer.upload(&scene).await?;
+        read(renderer, &uploaded, &self.camera(), Method::Auto).await?;
+        Ok(begin.elapsed())
+    }
+
+    /// Returns an estimate of the time that all frames take, from a small picture by `naive`.
+    pub(super) async fn expected(&self, renderer: &mut Renderer) -> Result<Duration, Error> {
+        let uploaded = renderer.upload(&self.scene.scene()).await?;
+        let camera = self.camera().size(self.size[0] / PROBE, self.size[1] / PROBE);
+        trace(renderer, &uploaded, &camera, Method::Naive).await?; // compiles its kernels
+        let begin = Instant::now();
+        trace(renderer, &uploaded, &camera, Method::Naive).await?;
+        let frames = self.methods.len() * (self.rounds + 1);
+        Ok(begin.elapsed() * PROBE * PROBE * frames as u32)
+    }
+
+    /// Returns the figures, and the time of all frames without the compilation of kernels.
+    pub(super) async fn measured(&self, renderer: &mut Renderer) -> Result<(ReportEntry, Duration), Error> {
+        let Self { size, methods, rounds, .. } = *self;
+        let (scene, camera) = (self.scene.scene(), self.camera());
+        let uploaded = renderer.upload(&scene).await?;
+        let naive = read(renderer, &uploaded, &camera, Method::Naive).await?;
+        let mut compared = Vec::new();
+        for &method in methods {
+            let pair = read(renderer, &uploaded, &camera, method).await?;
+            let difference = metrics::compare(&pair.right, &naive.right, &pair.pose)?;
+            compared.push((pair.statistics, difference));
+        }
+        let begin = Instant::now();
+        let mut times = vec![Vec::new(); methods.len()];
+        let mut works = vec![GpuWork::default(); methods.len()];
+        for round in 0..rounds {
+            // The order rotates, so that no method is always the one after an expensive one.
+            for turn in 0..methods.len() {
+                let index = (round + turn) % methods.len();
+                let (begin, before) = (Instant::now(), renderer.gpu().work());
+                let statistics = trace(renderer, &uploaded, &camera, methods[index]).await?;
+                let wall = begin.elapsed();
+                works[index] = renderer.gpu().work() - before;
+                times[index].push((statistics.times.map_or(wall, |times| times.total()), wall));
+            }
+        }
+        let frames = begin.elapsed() / rounds as u32 * (rounds as u32 + 1);
+        let sorted = |mut times: Vec<Duration>| {
+            times.sort_unstable();
+            times
+        };
+        let sort = |times: Vec<(Duration, Duration)>| {
+            let (pairs, walls) = times.into_iter().unzip();
+            (sorted(pairs), sorted(walls))
+        };
+        let times = Vec::from_iter(times.into_iter().map(sort));
+        let first_eye = middle(&times[1].0).as_secs_f64(); // of ideal
+        let mut rows = Vec::new();
+        for (index, ((statistics, difference), (pairs, walls))) in compared.iter().zip(&times).enumerate() {
+            rows.push(ReportMethod {
+                method: methods[index],
+                pair: middle(pairs),
+                range: [pairs[0], pairs[pairs.len() - 1]],
+                wall: middle(walls),
+                second_eye: middle(pairs).as_secs_f64() / first_eye - 1.0,
+                rays: [statistics.left.rays, statistics.right.rays],
+                retraced: statistics.retraced_share(),
+                identical_percent: difference.identical_percent,
+                wrong_surface_percent: difference.wrong_surface_percent,
+                intermediate_bytes: statistics.intermediate_bytes,
+                chosen: statistics.choice.map(|choice| choice.method),
+                work: works[index],
+            });
+        }
+        let ids = hash_of(naive.left.primitive.iter().chain(&naive.right.primitive));
+        let info = uploaded.info();
+        let entry = ReportEntry {
+            scene: self.scene,
+            size,
+            primitives: scene.primitive_count(),
+            scene_bytes: info.node_bytes + info.primitive_bytes,
+            build: info.build,
+            ids,
+            has_known_ids: known_ids(self.scene, size).map(|known| known == ids),
+            methods: rows,
+        };
+        Ok((entry, frames))
+    }
+}
+
+async fn read(
+    renderer: &mut Renderer,
+    scene: &UploadedScene,
+    camera: &StereoCamera,
+    method: Method,
+) -> Result<StereoPair, Error> {
+    renderer.pair(scene, camera).options(&Options::new(method)).read().await
+}
+
+async fn trace(
+    renderer: &mut Renderer,
+    scene: &UploadedScene,
+    camera: &StereoCamera,
+    method: Method,
+) -> Result<Statistics, Error> {
+    renderer.pair(scene, camera).options(&Options::new(method)).trace().await
+}
+
+/// Returns the median of sorted times.
+fn middle(sorted: &[Duration]) -> Duration {
+    sorted[sorted.len() / 2]
+}
+
+/// Returns the FNV-1a hash of numbers, 64 bits wide.
+pub(super) fn hash_of<'a>(numbers: impl Iterator<Item = &'a u32>) -> u64 {
+    let bytes = numbers.flat_map(|number| number.to_le_bytes());
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// Returns the hash of the ids that a software adapter finds by `naive`.
+pub(super) fn known_ids(scene: Builtin, size: [u32; 2]) -> Option<u64> {
+    match (scene, size) {
+        (Builtin::Hall, [640, 360]) => Some(0xcce9_ab8b_55e5_1e74),
+        (Builtin::Spheres, [640, 360]) => Some(0x916c_6dd6_d43f_fdc4),
+        (Builtin::Near, [640, 360]) => Some(0xd8e4_dd60_12ed_c96a),
+        (Builtin::Random1000, [640, 360]) => Some(0x42bd_a14b_d202_36a8),
+        (Builtin::HallFinished, [640, 360]) => Some(0x74d9_761e_7986_8670),
+        _ => None,
+    }
+}
