@@ -168,7 +168,7 @@ pub use import::{MissingTextures, Origin, OutsideFiles, SceneFile, SceneOptions}
 pub use kernel::traversal::{Boxes, Fetch, RaysPerLane, Stack, Traversal};
 #[cfg(not(any(test, feature = "testing")))]
 pub(crate) use kernel::traversal::{Boxes, RaysPerLane};
-pub use methods::auto::Choice;
+pub use methods::auto::{Calibration, Choice};
 pub use render::cast::{Cast, Ray, RayHit};
 pub use render::pair::{Statistics, StereoPair};
 pub use render::{Encoded, EncodedView};

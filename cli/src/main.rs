@@ -7,6 +7,7 @@
 #![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
 
 mod arguments;
+mod calibration;
 mod commands;
 #[cfg(all(test, feature = "view"))]
 #[path = "../../tests/it/common/folder.rs"]

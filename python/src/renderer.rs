@@ -13,8 +13,8 @@ use std::{
 use numpy::PyArray1;
 use pyo3::{exceptions::PyRuntimeError, prelude::*, types::PyDict};
 use stereotrace::{
-    Adapter, BvhBuild, Channel, Error, Gpu, GroundTruth, Layering, Maker, Moment, Progress, Ray, Rig, Update,
-    UploadedScene, blocking::Wait, dataset::FreePoses,
+    Adapter, BvhBuild, Calibration, Channel, Error, Gpu, GroundTruth, Layering, Maker, Moment, Progress, Ray, Rig,
+    Update, UploadedScene, blocking::Wait, dataset::FreePoses,
 };
 
 use crate::{
@@ -204,6 +204,11 @@ impl Renderer {
         // An exception that stopped the frame is the error to raise.
         stopped.map_or(done, Err)
     }
+}
+
+/// Returns the costs of a calibration.
+fn pair_of(calibration: Calibration) -> (f32, f32) {
+    (calibration.search, calibration.shadow)
 }
 
 #[pymethods]
@@ -627,6 +632,31 @@ impl Renderer {
     fn forget(&self, py: Python<'_>) -> PyResult<()> {
         self.with_stage(py, |stage| {
             stage.renderer.forget();
+            Ok(())
+        })
+    }
+
+    /// Measures the adapter for the method ``auto``, which chooses by the result from now on. Returns it:
+    /// (search, shadow), the costs per pixel of finding the right view's surfaces by ``bracket``, and of a shadow ray
+    /// that it saves, in primary rays.
+    fn calibrate(&self, py: Python<'_>) -> PyResult<(f32, f32)> {
+        self.with_stage(py, |stage| stage.renderer.calibrate().wait().map(pair_of))
+    }
+
+    /// What the method ``auto`` chooses by: (search, shadow), see :meth:`calibrate`. The result of an earlier
+    /// calibration of the same adapter and driver can be set.
+    #[getter]
+    fn calibration(&self, py: Python<'_>) -> PyResult<(f32, f32)> {
+        self.with_stage(py, |stage| Ok(pair_of(stage.renderer.calibration())))
+    }
+
+    #[setter]
+    fn set_calibration(&self, py: Python<'_>, (search, shadow): (f32, f32)) -> PyResult<()> {
+        if !(search.is_finite() && shadow.is_finite() && shadow > 0.0) {
+            return Err(refused("calibration: both costs must be finite, and the second above 0"));
+        }
+        self.with_stage(py, |stage| {
+            stage.renderer.set_calibration(Calibration { search, shadow });
             Ok(())
         })
     }

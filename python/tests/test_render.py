@@ -241,6 +241,21 @@ def test_a_film_has_a_history_until_it_is_forgotten(hall):
     assert np.array_equal(pairs[0].left.color, pairs[2].left.color)
 
 
+def test_auto_chooses_by_a_calibration(hall):
+    renderer = Renderer()
+    camera = hall.camera(size=(64, 48))
+    usual = renderer.calibration
+    renderer.calibration = (1e6, usual[1])
+    assert renderer.render(hall, camera).statistics["method"] == "naive"
+    renderer.calibration = (0, usual[1])
+    assert renderer.render(hall, camera).statistics["method"] == "bracket"
+    search, shadow = renderer.calibrate()
+    assert renderer.calibration == (search, shadow) and shadow > 0 and search == search
+    for wrong in [(float("nan"), 1), (1, 0)]:
+        with pytest.raises(ValueError, match="calibration"):
+            renderer.calibration = wrong
+
+
 def test_views_of_a_rig(renderer, hall):
     views = renderer.render_views(
         hall, hall.camera(size=(64, 48)).replace(interaxial_px=1.0), 6, outputs=["color", "depth"]

@@ -5,7 +5,7 @@ use std::fmt;
 
 use super::{Promise, Target};
 use crate::{
-    Gpu, Method, Pose, ShadowReuse,
+    Gpu, Method, ShadowReuse,
     frame::plan::{Made, Stage},
     steps::bracket,
     wgpu,
@@ -56,6 +56,83 @@ impl fmt::Display for Choice {
     }
 }
 
+/// What [`Method::Auto`] chooses by: costs of the passes on an adapter, in primary rays of whole pictures. By default
+/// they are constants for CPU adapters and for GPUs. [`Renderer::calibrate`](crate::Renderer::calibrate) measures them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calibration {
+    /// Cost per pixel of finding the right view's surfaces by `bracket`. Below 1 it is cheaper than tracing them.
+    pub search: f32,
+    /// Cost of a shadow ray that `bracket` saves, at least 0.1.
+    pub shadow: f32,
+}
+
+/// Times of a pair by both methods, for a calibration.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Trial {
+    /// Time of one view without lights, in any unit.
+    pub(crate) primary: f64,
+    /// Times of a pair by `naive` and by `bracket`, in the same unit.
+    pub(crate) times: [f64; 2],
+    pub(crate) pixels: f64,
+    pub(crate) seen: Seen,
+}
+
+impl Calibration {
+    /// Costs of a shadow ray that noisy times can't exceed. Three drivers of software adapters have 0.16 to 0.42.
+    const SHADOW: [f64; 2] = [0.1, 1.0];
+
+    /// Returns the constants of an adapter. Those of CPU adapters are medians over spheres, hall, `sponza_4x`, dragon
+    /// and `buddha_1m2` on llvmpipe (studies/notes/bracket.md). Those of GPUs follow from counted nodes and primitive
+    /// tests; they are not measured.
+    pub(crate) fn of(gpu: &Gpu) -> Self {
+        match gpu.adapter_info().device_type {
+            wgpu::DeviceType::Cpu => Self { search: 1.0, shadow: 0.9 },
+            _ => Self { search: 0.35, shadow: 0.8 },
+        }
+    }
+
+    /// Returns the costs that explain the times best. The errors of a trial are relative to its time by `naive`.
+    pub(crate) fn fitted(self, gpu: &Gpu, trials: &[Trial]) -> Self {
+        let model = CostModel::of(gpu, self, Asked { points: 1, soft: 0, shares: true });
+        // Solves for a and b in (bracket - naive) / primary = a - b * saved, with saved shadow rays per pixel.
+        let [mut ww, mut wws, mut wwss, mut wwy, mut wwsy] = [0.0; 5];
+        for trial in trials {
+            let [naive, bracket] = trial.times;
+            let saved = trial.saved(model);
+            let (weight, y) = ((trial.primary / naive).powi(2), (bracket - naive) / trial.primary);
+            ww += weight;
+            wws += weight * saved;
+            wwss += weight * saved * saved;
+            wwy += weight * y;
+            wwsy += weight * saved * y;
+        }
+        let slope = (ww * wwsy - wws * wwy) / (ww * wwss - wws * wws);
+        let shadow =
+            if slope.is_finite() { (-slope).clamp(Self::SHADOW[0], Self::SHADOW[1]) } else { f64::from(self.shadow) };
+        let search = 1.0 + (wwy + shadow * wws) / ww;
+        if search.is_finite() { Self { search: search as f32, shadow: shadow as f32 } } else { self }
+    }
+}
+
+impl Trial {
+    /// Returns the number of shadow rays per pixel that `bracket` saves by the model.
+    fn saved(&self, model: CostModel) -> f64 {
+        let [shadow, own, gaps] = [self.seen.shadow_rays, self.seen.own_shadow_rays, self.seen.gap_pixels]
+            .map(|count| (count as f64 / self.pixels) as f32);
+        f64::from((shadow - own) * (1.0 - model.asked_anew(gaps.min(1.0))))
+    }
+
+    /// Returns the costs by which `Auto` takes the faster method for a frame like this one, with this number of light
+    /// rays per point. If that is `naive`, no number of saved rays pays, so that `Auto` knows it before the first step.
+    pub(crate) fn settled(&self, model: CostModel, rays: u32) -> Calibration {
+        let [naive, bracket] = self.times;
+        let shadow = f64::from(model.shadow);
+        let saved = if bracket < naive { self.saved(model) } else { f64::from(rays) };
+        let search = 1.0 + (bracket - naive) / self.primary + shadow * saved;
+        Calibration { search: search as f32, shadow: model.shadow }
+    }
+}
+
 /// Cost of the passes on an adapter, in primary rays of whole pictures, and the share of shadow rays that can't be
 /// reused.
 #[derive(Clone, Copy, Debug)]
@@ -95,6 +172,10 @@ pub(crate) struct Seen {
     pub(crate) gap_pixels: u64,
 }
 
+impl Seen {
+    pub(crate) const NOTHING: Self = Self { shadow_rays: 0, own_shadow_rays: 0, secondary_rays: 0, gap_pixels: 0 };
+}
+
 impl CostModel {
     /// Share of the shadow bits outside gaps in which left samples disagree: 2 to 8% on meshes and halls.
     const DISAGREED: f32 = 0.05;
@@ -105,18 +186,17 @@ impl CostModel {
     /// because neighbouring pixels trace these rays in the same order.
     const LISTED_SOFT: f32 = 1.5;
 
-    /// Creates the cost model of an adapter for a frame's light queries. The CPU figures are medians over spheres,
-    /// hall, `sponza_4x`, dragon and `buddha_1m2` on llvmpipe (studies/notes/bracket.md). The GPU figures follow from
-    /// counted nodes and primitive tests; they are not measured.
-    pub(crate) fn of(gpu: &Gpu, asked: Asked) -> Self {
+    /// Creates the cost model of an adapter for a frame's light queries.
+    pub(crate) fn of(gpu: &Gpu, calibration: Calibration, asked: Asked) -> Self {
         let is_cpu = gpu.adapter_info().device_type == wgpu::DeviceType::Cpu;
-        let (search, shadow, listed) = if is_cpu { (1.0, 0.9, 3.0) } else { (0.35, 0.8, 1.5) };
+        let Calibration { search, shadow } = calibration;
+        let listed: f32 = if is_cpu { 3.0 } else { 1.5 };
         let [points, soft] = [asked.points, asked.soft].map(|rays| rays as f32);
         let all = (points + soft).max(1.0);
         let (listed_soft, share) = (Self::LISTED_SOFT.min(listed), Self::DISAGREED_SOFT[usize::from(asked.shares)]);
         Self {
             search,
-            shadow,
+            shadow: shadow.max(Calibration::SHADOW[0] as f32), // also if it is NaN
             listed: (points * listed + soft * listed_soft) / all,
             disagreed: (points * listed * Self::DISAGREED + soft * listed_soft * share) / all,
             asked: 0.0,
@@ -134,8 +214,9 @@ impl CostModel {
         (self.search - 1.0) / self.shadow
     }
 
-    pub(crate) fn choose(self, pose: &Pose, seen: Seen) -> Choice {
-        let pixels = pose.size[0] as f32 * pose.size[1] as f32;
+    /// Chooses for a view of this size, which is larger than the picture with several samples per pixel.
+    pub(crate) fn choose(self, size: [u32; 2], seen: Seen) -> Choice {
+        let pixels = size[0] as f32 * size[1] as f32;
         let [shadow_rays, own, secondary_rays, gaps] =
             [seen.shadow_rays, seen.own_shadow_rays, seen.secondary_rays, seen.gap_pixels]
                 .map(|count| count as f32 / pixels);
@@ -154,27 +235,22 @@ impl CostModel {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
-    use crate::StereoCamera;
 
-    fn pose() -> Pose {
-        StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(100, 100).pose().unwrap()
-    }
+    const SIZE: [u32; 2] = [100, 100];
 
     const MODEL: CostModel = CostModel { search: 1.0, shadow: 0.9, listed: 3.0, disagreed: 0.15, asked: 0.0 };
 
     #[test]
     fn few_shadow_rays_or_wide_gaps_make_it_naive() {
         let seen = |shadow_rays, gap_pixels| Seen { shadow_rays, gap_pixels, ..Seen::default() };
-        let chosen = |shadow_rays, gaps| MODEL.choose(&pose(), seen(shadow_rays, gaps)).method;
+        let chosen = |shadow_rays, gaps| MODEL.choose(SIZE, seen(shadow_rays, gaps)).method;
         assert_eq!(chosen(30_000, 300), Method::BRACKET);
         assert_eq!(chosen(30_000, 5000), Method::Naive);
         assert_eq!(chosen(0, 0), Method::Naive);
-        let recalled = CostModel { asked: 3.0, ..MODEL }.choose(&pose(), seen(200, 300));
-        assert_eq!(recalled, MODEL.choose(&pose(), seen(30_000, 300)));
-        let text = MODEL.choose(&pose(), seen(30_000, 300)).to_string();
+        let recalled = CostModel { asked: 3.0, ..MODEL }.choose(SIZE, seen(200, 300));
+        assert_eq!(recalled, MODEL.choose(SIZE, seen(30_000, 300)));
+        let text = MODEL.choose(SIZE, seen(30_000, 300)).to_string();
         assert!(
             text.starts_with("bracket: ") && text.contains("3.0 shadow rays") && text.contains("3.0% of"),
             "{text}"
@@ -185,10 +261,50 @@ mod tests {
     fn what_mirrors_ask_is_each_eye_s_own_and_saves_nothing() {
         let model = CostModel { search: 1.5, ..MODEL };
         let seen = Seen { shadow_rays: 10_000, gap_pixels: 300, ..Seen::default() };
-        assert_eq!(model.choose(&pose(), seen).method, Method::BRACKET);
+        assert_eq!(model.choose(SIZE, seen).method, Method::BRACKET);
         let mirrored = Seen { own_shadow_rays: 5000, secondary_rays: 4000, ..seen };
-        let choice = model.choose(&pose(), mirrored);
+        let choice = model.choose(SIZE, mirrored);
         assert_eq!(choice.method, Method::Naive, "{choice}");
         assert!(choice.naive > 3.0 * 0.4 && choice.to_string().contains("0.4 secondary"), "{choice}");
+    }
+
+    fn trial(primary: f64, times: [f64; 2], shadow_rays: u64, gap_pixels: u64) -> Trial {
+        let seen = Seen { shadow_rays, gap_pixels, ..Seen::default() };
+        Trial { primary, times, pixels: 10_000.0, seen }
+    }
+
+    #[test]
+    fn a_calibration_finds_the_costs_that_made_the_times() {
+        let gpu = Gpu::under_test();
+        let (search, shadow) = (1.4, 0.3);
+        let times = |primary: f64, trial: Trial| {
+            let model = CostModel::of(&gpu, Calibration::of(&gpu), Asked { points: 1, soft: 0, shares: true });
+            let naive = 2.0 * primary * (1.0 + 0.7 * trial.seen.shadow_rays as f64 / trial.pixels);
+            [naive, naive + primary * (search - 1.0 - shadow * trial.saved(model))]
+        };
+        let of = |(primary, shadow_rays, gaps)| {
+            let trial = trial(primary, [0.0; 2], shadow_rays, gaps);
+            Trial { times: times(primary, trial), ..trial }
+        };
+        let trials = [(2.0, 9000, 300), (2.0, 50_000, 300), (0.5, 6000, 1500), (0.5, 30_000, 1500)].map(of);
+        let found = Calibration::of(&gpu).fitted(&gpu, &trials);
+        assert!((f64::from(found.search) - search).abs() < 1e-4, "{found:?}");
+        assert!((f64::from(found.shadow) - shadow).abs() < 1e-4, "{found:?}");
+        // Times that say nothing change nothing.
+        assert_eq!(Calibration::of(&gpu).fitted(&gpu, &[]), Calibration::of(&gpu));
+    }
+
+    #[test]
+    fn a_settled_calibration_takes_the_faster_method() {
+        for (bracket, method) in [(2.9, Method::BRACKET), (3.1, Method::Naive)] {
+            let trial = trial(0.4, [3.0, bracket], 30_000, 500);
+            let Calibration { search, shadow } = trial.settled(MODEL, 5);
+            let choice = CostModel { search, shadow, ..MODEL }.choose(SIZE, trial.seen);
+            assert_eq!(choice.method, method, "{choice}");
+            // Whether all five rays can be saved is not yet known before the first step.
+            let early =
+                CostModel { search, shadow, ..MODEL }.choose(SIZE, Seen { shadow_rays: 50_000, ..Seen::default() });
+            assert_eq!(early.method, method, "{early}");
+        }
     }
 }

@@ -96,7 +96,7 @@ impl Renderer {
         let mut go_on = |_| ControlFlow::Continue(());
         let gpu = self.gpu.clone();
         let shared = scene.resources_for(&gpu, &used, tables.as_deref()).await?;
-        let model = scene.cost_model(&gpu, options);
+        let model = scene.cost_model(&gpu, self.calibration, options);
         let uniforms = self.uniforms(scene, &eyes, options, (&model, &targets.shape, 0));
         let setting = Setting { eyes: &eyes, variant, targets: &targets, uniforms, shared, history: None };
         let mut driver = Driver::new(self.engine(false), setting, &mut go_on);

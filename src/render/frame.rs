@@ -154,7 +154,7 @@ impl Renderer {
         let earlier_paths = earlier.map_or(0, History::paths);
         let recalls_bits = matches!(recall, Recall::Read { bits: true, .. });
         let asked = history.filter(|_| recalls_bits).map_or(0.0, History::asked);
-        let model = CostModel { asked, ..scene.cost_model(&self.gpu, options) };
+        let model = CostModel { asked, ..scene.cost_model(&self.gpu, self.calibration, options) };
         let history = history.map(History::remembered);
         let uniforms = self.uniforms(scene, eyes, options, (&model, &targets.shape, earlier_paths));
         let setting = Setting { eyes, variant, targets: &targets, uniforms, shared, history };
@@ -324,7 +324,8 @@ impl Renderer {
         recall: Recall,
     ) -> (Method, Option<Choice>, Plan) {
         let method = if self.steps.always { Method::Naive } else { self.effective(options, eyes, scene) };
-        let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose, options) } else { None };
+        let model = scene.cost_model(&self.gpu, self.calibration, options);
+        let early = if method == Method::Auto { scene.choose_early(model, &eyes.pose, options) } else { None };
         let is_soft = !scene.ids.is_empty() && scene.soft.count(options) > 0;
         let soft = is_soft.then(|| scene.soft.parts(options).len());
         let chosen = early.map_or(method, |choice| choice.method);

@@ -3,6 +3,7 @@
 mod adaptive;
 mod array;
 mod builder;
+mod calibrate;
 pub(crate) mod cast;
 pub(crate) mod denoise;
 mod encode;

@@ -3,7 +3,7 @@
 use std::sync::Once;
 
 use crate::{
-    Gpu, Method, Options, Pose,
+    Calibration, Gpu, Method, Options, Pose,
     frame::{self, lanes::Steps},
     gpu::Timestamps,
     kernel::Kernels,
@@ -42,6 +42,8 @@ pub struct Renderer {
     /// Whether `bracket` searches each tile by a workgroup. A thread per tile would leave most of a GPU idle.
     pub(crate) searches_together: bool,
     pub(crate) steps: Steps,
+    /// What `Auto` chooses by.
+    pub(crate) calibration: Calibration,
     /// Completed once the warning about a scene far from its origin was logged.
     pub(crate) rounding_warned: Once,
     /// Completed once the warning about pairs without common rows was logged.
@@ -72,6 +74,7 @@ impl Renderer {
             runs: gpu.threads(),
             searches_together: gpu.adapter_info().device_type != wgpu::DeviceType::Cpu,
             steps: Steps::default(),
+            calibration: Calibration::of(&gpu),
             rounding_warned: Once::new(),
             apart_warned: Once::new(),
             gpu,

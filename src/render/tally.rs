@@ -58,12 +58,17 @@ impl Tally {
         model.asked.max((self.work.rays.shadow - own) as f32 / self.pixels.max(1) as f32)
     }
 
+    /// Returns what the source view asked for, and the gaps of this view.
+    pub(crate) fn seen(&self, source: &Self) -> Seen {
+        let Rays { shadow: shadow_rays, secondary: secondary_rays, .. } = source.work.rays;
+        let (own_shadow_rays, gap_pixels) = (source.own_shadow_rays, self.gaps);
+        Seen { shadow_rays, own_shadow_rays, secondary_rays, gap_pixels }
+    }
+
     /// Returns the choice of `Auto` that applied to most pixels of a view. The model's prediction in the result is for
     /// the whole view.
     pub(crate) fn choice(&self, source: &Self, model: CostModel, pose: &Pose) -> Choice {
-        let Rays { shadow: shadow_rays, secondary: secondary_rays, .. } = source.work.rays;
-        let (own_shadow_rays, gap_pixels) = (source.own_shadow_rays, self.gaps);
-        let predicted = model.choose(pose, Seen { shadow_rays, own_shadow_rays, secondary_rays, gap_pixels });
+        let predicted = model.choose(pose.size, self.seen(source));
         let mostly = 2 * self.bracketed >= self.pixels;
         let method = if mostly { Method::Bracket(ShadowReuse::Two) } else { Method::Naive };
         let by_bracket = self.bracketed as f32 / self.pixels.max(1) as f32;

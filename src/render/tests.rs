@@ -4,8 +4,8 @@ use std::{num::NonZeroU32, ops::ControlFlow};
 use glam::Vec3;
 
 use crate::{
-    BufferDepth, Check, Equirectangular, Error, GBuffer, Gpu, Lighting, Method, Options, PoleMerge, Progress,
-    Projection, Renderer, Rows, Scene, Span, Statistics, StereoCamera, StereoPair, Traversal, UploadedScene,
+    BufferDepth, Calibration, Check, Equirectangular, Error, GBuffer, Gpu, Lighting, Method, Options, PoleMerge,
+    Progress, Projection, Renderer, Rows, Scene, Span, Statistics, StereoCamera, StereoPair, Traversal, UploadedScene,
     Visibility,
     frame::{
         Bands,
@@ -135,6 +135,34 @@ fn a_tile_searched_by_a_workgroup_has_the_lists_of_one_searched_by_a_thread() {
     }
 }
 
+#[test]
+fn auto_chooses_by_the_calibration() {
+    let builtin = crate::scene::builtin::Builtin::Near;
+    let (mut renderer, camera) = (renderer(USUAL), builtin.camera(80, 60));
+    let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
+    let choice = |renderer: &mut Renderer| {
+        let pair = renderer.pair(&uploaded, &camera).options(&Options::new(Method::Auto)).trace().wait().unwrap();
+        pair.choice.unwrap()
+    };
+    let usual = renderer.calibration();
+    for (search, method) in [(0.0, Method::BRACKET), (1e6, Method::Naive), (usual.search, Method::BRACKET)] {
+        renderer.set_calibration(Calibration { search, ..usual });
+        assert_eq!(choice(&mut renderer).method, method, "{search}");
+    }
+    // A calibration measures what `Auto` sees.
+    let found = renderer.calibrate().wait().unwrap();
+    assert!(found.search.abs() < 20.0 && found.shadow >= 0.1 && found.shadow <= 1.0, "{found:?}");
+    assert_eq!(renderer.calibration(), found);
+    let on_it = renderer.calibrate_on(&uploaded, &camera, &Options::default()).wait().unwrap();
+    assert_eq!((renderer.calibration(), on_it.shadow), (on_it, found.shadow));
+    let chosen = choice(&mut renderer);
+    let cheaper = if chosen.bracket < chosen.naive { Method::BRACKET } else { Method::Naive };
+    assert_eq!(chosen.method, cheaper, "{chosen}");
+    // Eyes without common rows have one method.
+    let toed_in = camera.projection(Projection::ToeIn);
+    assert_eq!(renderer.calibrate_on(&uploaded, &toed_in, &Options::default()).wait().unwrap(), on_it);
+}
+
 const TRUSTING: Method = Method::Atomic(Check::None);
 
 fn buffer(depth: BufferDepth) -> Method {
@@ -213,7 +241,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
         renderer.gpu.queue.write_buffer(targets.get(Resource::View, 0), 0, bytemuck::cast_slice(&source));
         let mut go_on = |_| ControlFlow::Continue(());
         let options = &Options::new(Method::Naive);
-        let model = scene.cost_model(&renderer.gpu, options);
+        let model = scene.cost_model(&renderer.gpu, renderer.calibration, options);
         let shared = scene.resources_for(&renderer.gpu, &used, None).await?;
         let uniforms = renderer.uniforms(&scene, eyes, options, (&model, &targets.shape, 0));
         let setting = Setting { eyes, variant, targets: &targets, uniforms, shared, history: None };

@@ -25,7 +25,7 @@ use crate::{
     kernel::variant::{Shadows, Variant},
     kernel::{Kernels, Resource},
     message::counted,
-    methods::auto::{Asked, CostModel, Seen},
+    methods::auto::{Asked, Calibration, CostModel, Seen},
     scene::shadowing::Shadowing,
     shadow_buffer::{self, Casters, Tables},
     steps::soft::SoftLights,
@@ -224,8 +224,8 @@ impl UploadedScene {
     }
 
     /// Returns the cost model of `Auto` for a frame.
-    pub(crate) fn cost_model(&self, gpu: &Gpu, options: &Options) -> CostModel {
-        CostModel::of(gpu, self.asked(options))
+    pub(crate) fn cost_model(&self, gpu: &Gpu, calibration: Calibration, options: &Options) -> CostModel {
+        CostModel::of(gpu, calibration, self.asked(options))
     }
 
     /// Returns the maximum number of light queries per pixel of a frame.
@@ -235,13 +235,18 @@ impl UploadedScene {
         Asked { points, soft, shares: options.penumbra != Penumbra::Exact }
     }
 
+    /// Returns the number of rays to lights from each point.
+    pub(crate) fn rays_per_point(&self, options: &Options) -> u32 {
+        let Asked { points, soft, .. } = self.asked(options);
+        points.saturating_add(soft)
+    }
+
     /// Returns the choice of `Auto` if it must be `Naive`. This assumes a left view without gaps and a shadow ray for
     /// every light and pixel. If `bracket` is not cheaper even then, the method is `Naive`.
-    pub(crate) fn choose_early(&self, gpu: &Gpu, pose: &Pose, options: &Options) -> Option<Choice> {
-        let Asked { points, soft, .. } = self.asked(options);
+    pub(crate) fn choose_early(&self, model: CostModel, pose: &Pose, options: &Options) -> Option<Choice> {
         let pixels = u64::from(pose.size[0]) * u64::from(pose.size[1]);
-        let shadow_rays = (u64::from(points) + u64::from(soft)).saturating_mul(pixels);
-        let best = self.cost_model(gpu, options).choose(pose, Seen { shadow_rays, ..Seen::default() });
+        let shadow_rays = u64::from(self.rays_per_point(options)).saturating_mul(pixels);
+        let best = model.choose(pose.size, Seen { shadow_rays, ..Seen::default() });
         (best.method == Method::Naive).then_some(best)
     }
 

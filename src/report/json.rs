@@ -16,6 +16,7 @@ impl Report {
             "driver": self.driver,
             "limits": serde_json::Map::from_iter(limits),
             "timestamps": self.timestamps,
+            "calibration": { "search": self.calibration.search, "shadow": self.calibration.shadow },
             "first_picture_ms": ms(self.first_picture),
             "scenes": Vec::from_iter(self.entries.iter().map(entry)),
             "left_out": Vec::from_iter(left_out),

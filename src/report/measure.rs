@@ -18,7 +18,7 @@ pub(super) struct Test<'a> {
 }
 
 /// A picture for an estimate has this share of the width and of the height.
-const PROBE: u32 = 8;
+const PROBE: u32 = 4;
 
 impl Test<'_> {
     fn camera(&self) -> StereoCamera {
@@ -46,13 +46,22 @@ impl Test<'_> {
     }
 
     /// Returns the figures, and the time of all frames without the compilation of kernels.
-    pub(super) async fn measured(&self, renderer: &mut Renderer) -> Result<(ReportEntry, Duration), Error> {
+    /// `tell` is called before each frame.
+    ///
+    /// # Errors
+    /// Those of `tell`, and those of frames.
+    pub(super) async fn measured(
+        &self,
+        renderer: &mut Renderer,
+        tell: &mut impl FnMut() -> Result<(), Error>,
+    ) -> Result<(ReportEntry, Duration), Error> {
         let Self { size, methods, rounds, .. } = *self;
         let (scene, camera) = (self.scene.scene(), self.camera());
         let uploaded = renderer.upload(&scene).await?;
         let naive = read(renderer, &uploaded, &camera, Method::Naive).await?;
         let mut compared = Vec::new();
         for &method in methods {
+            tell()?;
             let pair = read(renderer, &uploaded, &camera, method).await?;
             let difference = metrics::compare(&pair.right, &naive.right, &pair.pose)?;
             compared.push((pair.statistics, difference));
@@ -63,6 +72,7 @@ impl Test<'_> {
         for round in 0..rounds {
             // The order rotates, so that no method is always the one after an expensive one.
             for turn in 0..methods.len() {
+                tell()?;
                 let index = (round + turn) % methods.len();
                 let (begin, before) = (Instant::now(), renderer.gpu().work());
                 let statistics = trace(renderer, &uploaded, &camera, methods[index]).await?;

@@ -10,7 +10,7 @@ use std::{ops::ControlFlow, time::Duration};
 use web_time::Instant;
 
 use self::measure::Test;
-use crate::{Builtin, Error, Gpu, GpuWork, Method, OnProgress, Progress, Rays, Renderer};
+use crate::{Builtin, Calibration, Error, Gpu, GpuWork, Method, OnProgress, Progress, Rays, Renderer};
 
 /// What a report measures.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +57,8 @@ pub struct Report {
     pub timestamps: bool,
     /// Time from the first upload to the first pair, including the compilation of its kernels.
     pub first_picture: Duration,
+    /// What `auto` chooses by, as measured for this report.
+    pub calibration: Calibration,
     /// One entry per scene and size, in the order in which they were measured.
     pub entries: Vec<ReportEntry>,
     /// Scenes and sizes that were left out for lack of time.
@@ -143,6 +145,7 @@ impl Report {
             ],
             timestamps: gpu.timestamps,
             first_picture: Duration::ZERO,
+            calibration: renderer.calibration(),
             entries: Vec::new(),
             left_out: Vec::new(),
             took: Duration::ZERO,
@@ -150,25 +153,29 @@ impl Report {
         if let (Some(&scene), Some(&size)) = (plan.scenes.first(), plan.sizes.first()) {
             report.first_picture = Test { scene, size, methods: &methods, rounds: 1 }.first(&mut renderer).await?;
         }
+        report.calibration = renderer.calibrate().await?;
         let all = plan.sizes.len() * plan.scenes.len();
         let mut lasted: Vec<Option<f64>> = vec![None; plan.scenes.len()];
         for (index, size) in plan.sizes.iter().enumerate() {
             for (place, &scene) in plan.scenes.iter().enumerate() {
                 let done = (index * plan.scenes.len() + place) as f32 / all as f32;
-                if progress(Progress { pass: scene.name(), done }) == ControlFlow::Break(()) {
-                    return Err(Error::Cancelled);
-                }
+                let mut tell = || match progress(Progress { pass: scene.name(), done }) {
+                    ControlFlow::Continue(()) => Ok(()),
+                    ControlFlow::Break(()) => Err(Error::Cancelled),
+                };
+                tell()?;
                 let test = Test { scene, size: *size, methods: &methods, rounds: plan.rounds.max(1) };
                 let pixels = f64::from(size[0]) * f64::from(size[1]);
                 let expected = match lasted[place] {
                     Some(per_pixel) => Duration::from_secs_f64(per_pixel * pixels),
+                    None if begin.elapsed() > plan.most => Duration::ZERO, // left out in any case
                     None => test.expected(&mut renderer).await?,
                 };
                 if begin.elapsed() + expected > plan.most {
                     report.left_out.push((scene, *size));
                     continue;
                 }
-                let (entry, frames) = test.measured(&mut renderer).await?;
+                let (entry, frames) = test.measured(&mut renderer, &mut tell).await?;
                 lasted[place] = Some(frames.as_secs_f64() / pixels);
                 report.entries.push(entry);
             }
@@ -179,9 +186,9 @@ impl Report {
 
     /// Returns faults of the pictures: methods that promise the surfaces of `naive` and show others.
     pub fn faults(&self) -> Vec<String> {
-        let exact = |method: Method| matches!(method, Method::Naive | Method::Bracket(_) | Method::Auto);
         let of_entry = |entry: &ReportEntry| {
-            let wrong = entry.methods.iter().filter(|row| exact(row.method) && row.wrong_surface_percent > 0.0);
+            let wrong =
+                entry.methods.iter().filter(|row| promises_surfaces(row.method) && row.wrong_surface_percent > 0.0);
             let [width, height] = entry.size;
             let fault = |row: &ReportMethod| {
                 let (scene, percent) = (entry.scene, row.wrong_surface_percent);
@@ -191,6 +198,11 @@ impl Report {
         };
         self.entries.iter().flat_map(of_entry).collect()
     }
+}
+
+/// Returns whether a method promises the surfaces that `naive` shows.
+fn promises_surfaces(method: Method) -> bool {
+    matches!(method, Method::Naive | Method::Bracket(_) | Method::Auto)
 }
 
 /// Returns the methods of a plan after `naive` and `ideal`, each once.

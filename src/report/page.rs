@@ -2,14 +2,14 @@
 
 use std::fmt::{self, Display, Write};
 
-use super::{Report, ReportEntry, ReportMethod};
+use super::{Report, ReportEntry, ReportMethod, promises_surfaces};
 
 /// Style of the page, for light and dark.
 const STYLE: &str = "\
 :root { color-scheme: light dark; }
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 68rem; margin: 2rem auto; padding: 0 1rem; }
 table { border-collapse: collapse; margin: .5rem 0 1.5rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .15rem .7rem; text-align: right; border-bottom: 1px solid color-mix(in srgb, currentColor 20%, transparent); }
+th, td { white-space: nowrap; padding: .15rem .7rem; text-align: right; border-bottom: 1px solid color-mix(in srgb, currentColor 20%, transparent); }
 th:first-child, td:first-child { text-align: left; }
 div { overflow-x: auto; }
 .bar { display: inline-block; height: .7em; background: #4a7fc1; vertical-align: baseline; }
@@ -18,7 +18,8 @@ div { overflow-x: auto; }
 ";
 
 impl Report {
-    /// Returns the report as an HTML page that needs no other file.
+    /// Returns the report as an HTML page that needs no other file. With the feature `json` it contains the JSON form,
+    /// in the element `report`.
     pub fn to_html(&self) -> String {
         let mut page = String::new();
         self.write(&mut page).expect("a string takes all text");
@@ -44,6 +45,12 @@ impl Report {
             1e3 * self.first_picture.as_secs_f64(),
             self.took.as_secs_f64()
         )?;
+        writeln!(
+            page,
+            "<p>auto chooses by measured costs, in primary rays: {:.2} per pixel for the search of bracket, {:.2} for a \
+             shadow ray that it saves.</p>",
+            self.calibration.search, self.calibration.shadow
+        )?;
         let faults = self.faults();
         if faults.is_empty() {
             writeln!(page, "<p>Every method that promises the surfaces of naive shows them.</p>")?;
@@ -59,8 +66,15 @@ impl Report {
             page,
             "<p class=\"note\">2nd eye: time of a pair divided by the time of a pair by ideal, which copies the first \
              eye, less one. traced: share of right pixels that were traced. identical and wrong (another surface): \
-             right pixels compared with naive. rays: those of both eyes, in millions.</p>\n</html>"
-        )
+             right pixels compared with naive. rays: those of both eyes, in millions.</p>"
+        )?;
+        #[cfg(feature = "json")]
+        writeln!(
+            page,
+            "<script type=\"application/json\" id=\"report\">\n{}</script>",
+            self.to_json().replace("</", "<\\/")
+        )?;
+        writeln!(page, "</html>")
     }
 
     fn clock(&self) -> &'static str {
@@ -102,7 +116,7 @@ impl ReportMethod {
         // The percentage is rounded down, so that 100.00 means that all pixels are identical.
         let identical = (100.0 * self.identical_percent).floor() / 100.0;
         let wrong = self.wrong_surface_percent;
-        let class = if wrong > 0.0 { " class=\"wrong\"" } else { "" };
+        let class = if wrong > 0.0 && promises_surfaces(self.method) { " class=\"wrong\"" } else { "" };
         writeln!(
             page,
             "<tr><td>{}{chosen}</td><td>{:.2}</td><td>{low:.2} to {high:.2}</td><td>{:.3}</td><td>{:.1}%</td>\

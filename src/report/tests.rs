@@ -77,6 +77,9 @@ fn the_json_form_has_the_figures_of_the_report() {
     assert_eq!(method["pair_ms"], 1e3 * row.pair.as_secs_f64());
     assert_eq!(method["rays"]["right"]["shadow"], row.rays[1].shadow);
     assert_eq!(method["submissions"], 1);
+    let page = Report { adapter: "</script>".into(), ..report }.to_html();
+    let inside = page.split("id=\"report\">").nth(1).and_then(|rest| rest.split("</script>").next()).unwrap();
+    assert_eq!(serde_json::from_str::<serde_json::Value>(inside).unwrap()["adapter"], "</script>");
 }
 
 #[test]

@@ -290,7 +290,7 @@ async function alone(text, task) {
     running = "other";
     element("stop").hidden = false;
     say(`${text}…`);
-    const buttons = ["compare", "measure", "save", "save-eyes", "quilt"].map(element);
+    const buttons = ["compare", "measure", "report", "save", "save-eyes", "quilt"].map(element);
     for (const button of buttons) button.disabled = true;
     try {
         await task((share) => say(`${text}… ${Math.round(100 * share)} %`));
@@ -643,6 +643,10 @@ element("measure").addEventListener("click", () => alone("measuring", async (tel
     tabulate(found, element("chart").querySelector("table"));
     element("json").value = JSON.stringify(found, null, 1);
     element("chart").scrollIntoView({ behavior: "smooth" });
+}));
+element("report").addEventListener("click", () => alone("measuring this device", async (tell) => {
+    const page = await engine.ask("report", {}, tell);
+    download(new Blob([page], { type: "text/html" }), "stereotrace-report.html");
 }));
 element("copy").addEventListener("click", async () => {
     try {

@@ -220,6 +220,11 @@ const tasks = {
         return result;
     },
 
+    /** @param {any} _request */
+    async report(_request, tell) {
+        return renderer.report(60, { signal: stopping.signal, onProgress: tell });
+    },
+
     /** Measures accuracy and cost of each method, in alternation. @param {any} request */
     async measure({ camera, options, rounds }, tell) {
         if (!open.scene) throw new Error("no scene is open");

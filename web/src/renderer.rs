@@ -4,15 +4,16 @@ use std::{
     cell::{Cell, RefCell},
     ops::AsyncFnMut,
     rc::Rc,
+    time::Duration,
 };
 
 use futures_util::lock::Mutex;
-use stereotrace::{BvhBuild, Error, Gpu, Rig, Update, UploadedScene};
+use stereotrace::{BvhBuild, Error, Gpu, Report, ReportPlan, Rig, Update, UploadedScene};
 use wasm_bindgen::prelude::*;
 
 use crate::{
     camera,
-    errors::raised,
+    errors::{raised, refused},
     options::Request,
     pair::Pair,
     passes::Passes,
@@ -152,6 +153,25 @@ impl Renderer {
         Ok(Views(self.with_scene(&scene.shared, frame).await?))
     }
 
+    /// Measures the device with built-in scenes and all methods. Larger sizes are left out if the report would take more
+    /// than so many seconds, 60 by default. Returns it as an HTML page, which contains the figures as JSON in the
+    /// element `report`. Of the options, `signal` and `onProgress` apply. Rejects as `render` does.
+    pub async fn report(
+        &self,
+        seconds: Option<f64>,
+        #[wasm_bindgen(unchecked_optional_param_type = "RenderOptions")] options: JsValue,
+    ) -> Result<String, JsValue> {
+        let request = Request::read(options)?;
+        let mut plan = ReportPlan::default();
+        if let Some(seconds) = seconds {
+            plan.most = Duration::try_from_secs_f64(seconds).map_err(|error| refused(&format!("seconds: {error}")))?;
+        }
+        let mut slot = self.device.lock().await;
+        let device = opened(&mut slot).await.map_err(raised)?;
+        let report = Report::measure(device.renderer.gpu(), &plan, &mut |now| request.goes_on(now)).await;
+        Ok(report.map_err(raised)?.to_html())
+    }
+
     /// Builds a scene's tree and uploads it. `render` does so by itself if needed.
     pub async fn upload(&self, scene: &Scene) -> Result<(), JsValue> {
         self.with_scene(&scene.shared, async |_: &mut stereotrace::Renderer, _: &UploadedScene| Ok(())).await
@@ -209,15 +229,20 @@ impl Device {
     }
 }
 
+/// Returns the device, which is opened when it is first needed.
+async fn opened(slot: &mut Option<Device>) -> Result<&mut Device, Error> {
+    match slot {
+        Some(device) => Ok(device),
+        None => Ok(slot.insert(Device::open().await?)),
+    }
+}
+
 async fn attempt<T>(
     slot: &mut Option<Device>,
     scene: &Shared,
     work: &mut impl AsyncFnMut(&mut stereotrace::Renderer, &UploadedScene) -> Result<T, Error>,
 ) -> Result<T, Error> {
-    let device = match slot {
-        Some(device) => device,
-        None => slot.insert(Device::open().await?),
-    };
+    let device = opened(slot).await?;
     let uploaded = brought(device, scene).await?;
     let done = work(&mut device.renderer, &uploaded.scene).await;
     scene.uploaded.replace(Some(uploaded));

@@ -316,6 +316,13 @@ await test("comparison, downloads, quilt and chart", async () => {
     assert.ok(json.methods.every(({ ms }) => ms > 0));
     assert.equal(await page.locator("#plot circle").count(), json.methods.length);
     await page.screenshot({ path: path.join(out, "chart.png"), fullPage: true });
+    const report = await page.evaluate(async () => {
+        const { Renderer } = await import("./pkg/index.js");
+        const parsed = new DOMParser().parseFromString(await new Renderer().report(1), "text/html");
+        return JSON.parse(parsed.querySelector("#report")?.textContent ?? "");
+    });
+    assert.equal(report.scenes.length + report.left_out.length, 15);
+    assert.ok(report.calibration.shadow > 0 && report.faults.length === 0, JSON.stringify(report));
     assert.deepEqual(faults, []);
     await context.close();
 });

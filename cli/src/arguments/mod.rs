@@ -22,9 +22,10 @@ pub(crate) use self::{
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
-use stereotrace::{Gpu, blocking::Wait};
+use stereotrace::{Gpu, Renderer, blocking::Wait};
 
 use crate::{
+    calibration,
     commands::{bench, compare, dataset, info, render, sequence, views},
     view,
 };
@@ -77,6 +78,9 @@ pub(crate) struct Global {
     /// Graphics adapter: `software`, or a part of an adapter's name [default: STEREOTRACE_ADAPTER, else the fastest]
     #[arg(long, value_name = "NAME", global = true)]
     adapter: Option<String>,
+    /// First measure the adapter for the method auto, and keep the result in the user's cache folder for later runs
+    #[arg(long, global = true)]
+    calibrate: bool,
 }
 
 impl Global {
@@ -85,6 +89,11 @@ impl Global {
             Some(name) => Gpu::open(name.as_str()).wait(),
             None => Gpu::new().wait(),
         }
+    }
+
+    /// Returns a renderer on the adapter, whose `auto` chooses by the adapter's calibration.
+    pub(crate) fn renderer(&self, gpu: Gpu) -> Result<Renderer, stereotrace::Error> {
+        calibration::renderer(gpu, self.calibrate)
     }
 }
 

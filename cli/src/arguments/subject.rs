@@ -210,7 +210,7 @@ impl Subject {
         scene.sky = self.light.sky(own, self.reading.limits(), &gpu)?;
         let read = read + begin.elapsed();
 
-        let mut renderer = Renderer::new(gpu);
+        let mut renderer = global.renderer(gpu)?;
         let begin = Instant::now();
         let uploaded = renderer.upload(&scene).wait()?;
         let build = begin.elapsed();

@@ -289,7 +289,7 @@ impl Work {
         match self.try_render(uploaded, wanted, stage) {
             Err(Error::DeviceLost(reason)) => {
                 log::warn!("the device was lost ({reason}); opening another one");
-                self.renderer = Renderer::new(self.global.gpu()?);
+                self.renderer = self.global.renderer(self.global.gpu()?)?;
                 self.passes = Passes::new();
                 *uploaded = self.renderer.upload(&self.scene).wait()?;
                 self.try_render(uploaded, wanted, stage)

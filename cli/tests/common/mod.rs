@@ -13,7 +13,9 @@ pub(crate) const ESCAPED: &str = r"\u{1b}[2J\u{202e}";
 /// Runs the command with these arguments.
 pub(crate) fn run(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stereotrace"));
-    command.args(arguments).env("NODEVICE_SELECT", "1").output().expect("the command runs")
+    // Without a calibration that a user keeps.
+    command.args(arguments).env("NODEVICE_SELECT", "1").env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
+    command.output().expect("the command runs")
 }
 
 /// Runs a command that must succeed, and returns its standard output.

@@ -1,0 +1,94 @@
+//! Keeps what `auto` chooses by, for each adapter and driver, in the user's cache folder.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use etcetera::BaseStrategy;
+use serde_json::{Value, json};
+use stereotrace::{Calibration, Error, Gpu, Renderer, blocking::Wait, output::write_whole};
+
+use crate::shown;
+
+/// Name of the file in the cache folder.
+const FILE: &str = "stereotrace/calibrations.json";
+
+/// Returns a renderer on a device. `auto` chooses by the calibration that is kept for it, if there is one. With
+/// `measure`, it is measured first and kept.
+pub(crate) fn renderer(gpu: Gpu, measure: bool) -> Result<Renderer, Error> {
+    let mut renderer = Renderer::new(gpu);
+    let file = etcetera::choose_base_strategy().map(|folders| folders.cache_dir().join(FILE)).ok();
+    if measure {
+        let found = renderer.calibrate().wait()?;
+        log::info!("calibration: search {}, shadow {}", found.search, found.shadow);
+        if let Some(file) = &file
+            && let Err(error) = keep(file, &key(renderer.gpu()), found)
+        {
+            log::warn!("the calibration is not kept: {error}");
+        }
+    } else if let Some(found) = file.and_then(|file| kept(&file, &key(renderer.gpu()))) {
+        log::info!("calibration: search {}, shadow {}, as kept", found.search, found.shadow);
+        renderer.set_calibration(found);
+    }
+    Ok(renderer)
+}
+
+/// Returns the name of an adapter and its driver, whose new version has other costs.
+fn key(gpu: &Gpu) -> String {
+    format!("{}; {}", gpu.adapter_name(), gpu.driver())
+}
+
+/// Returns all calibrations of a file, or `None` if it is missing or not the command's own.
+fn all(file: &Path) -> Option<serde_json::Map<String, Value>> {
+    let text = fs::read_to_string(file).ok()?;
+    let read = serde_json::from_str(&text);
+    if read.is_err() {
+        log::warn!("{}: not a list of calibrations; it is ignored", shown(file));
+    }
+    read.ok()
+}
+
+/// Returns the calibration that a file has for an adapter.
+fn kept(file: &Path, key: &str) -> Option<Calibration> {
+    let found = all(file)?.remove(key)?;
+    let number = |name: &str| found[name].as_f64().map(|value| value as f32).filter(|value| value.is_finite());
+    let calibration = number("search").zip(number("shadow")).map(|(search, shadow)| Calibration { search, shadow });
+    if calibration.is_none() {
+        log::warn!("{}: the calibration of {key} is not one; it is ignored", shown(file));
+    }
+    calibration
+}
+
+fn keep(file: &Path, key: &str, found: Calibration) -> Result<(), Box<dyn std::error::Error>> {
+    let folder = file.parent().map(PathBuf::from).unwrap_or_default();
+    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", shown(&folder)))?;
+    let mut all = all(file).unwrap_or_default();
+    all.insert(key.into(), json!({ "search": found.search, "shadow": found.shadow }));
+    write_whole(file, format!("{:#}\n", Value::Object(all)).as_bytes())?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_is_found_again_for_the_same_adapter_alone() {
+        let folder = std::env::temp_dir().join(format!("stereotrace-calibration-{}", std::process::id()));
+        let file = folder.join(FILE);
+        let [one, other] = [(0.5, 0.25), (1.5, 0.75)].map(|(search, shadow)| Calibration { search, shadow });
+        assert_eq!(kept(&file, "a"), None);
+        keep(&file, "a", other).unwrap();
+        keep(&file, "a", one).unwrap();
+        keep(&file, "b", other).unwrap();
+        assert_eq!([kept(&file, "a"), kept(&file, "b"), kept(&file, "c")], [Some(one), Some(other), None]);
+        for broken in ["{\"a\": {\"search\": 1}}", "[1]", "{"] {
+            fs::write(&file, broken).unwrap();
+            assert_eq!(kept(&file, "a"), None, "{broken}");
+        }
+        keep(&file, "a", one).unwrap();
+        assert_eq!(kept(&file, "a"), Some(one));
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}
