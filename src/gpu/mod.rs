@@ -15,7 +15,8 @@ pub use device::Gpu;
 pub(crate) use device::limits_over;
 pub(crate) use device::{MAX_WORKGROUPS, lock};
 pub(crate) use pipelines::{
-    Built, Program, TEXELS, bind_group, sampled_layers_type, sampled_type, storage_type, texture_type, uniform_type,
+    Built, Program, TEXELS, bind_group, sampled_float_type, sampled_layers_type, sampled_type, storage_type,
+    texture_type, uniform_type,
 };
 pub(crate) use staging::{Filling, Staging};
 pub use timing::PassTimes;

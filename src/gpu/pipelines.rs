@@ -128,18 +128,23 @@ pub(crate) fn texture_type(format: wgpu::TextureFormat, access: wgpu::StorageTex
     wgpu::BindingType::StorageTexture { access, format, view_dimension }
 }
 
-/// Returns the type of a texture that is read without filtering.
+/// Returns the type of a texture of texels that is read without filtering.
 pub(crate) fn sampled_type() -> wgpu::BindingType {
-    sampled(wgpu::TextureViewDimension::D2)
+    sampled(wgpu::TextureViewDimension::D2, wgpu::TextureSampleType::Uint)
+}
+
+/// Returns the type of a picture that is read without filtering.
+pub(crate) fn sampled_float_type() -> wgpu::BindingType {
+    sampled(wgpu::TextureViewDimension::D2, wgpu::TextureSampleType::Float { filterable: false })
 }
 
 /// Returns the type of an array of textures that are read without filtering.
 pub(crate) fn sampled_layers_type() -> wgpu::BindingType {
-    sampled(wgpu::TextureViewDimension::D2Array)
+    sampled(wgpu::TextureViewDimension::D2Array, wgpu::TextureSampleType::Uint)
 }
 
-fn sampled(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
-    wgpu::BindingType::Texture { sample_type: wgpu::TextureSampleType::Uint, view_dimension, multisampled: false }
+fn sampled(view_dimension: wgpu::TextureViewDimension, sample_type: wgpu::TextureSampleType) -> wgpu::BindingType {
+    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
 }
 
 /// Returns a bind group of resources in the order of their bindings.

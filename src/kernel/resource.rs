@@ -79,6 +79,10 @@ resources! {
     ShadowBuffers = "shadow_buffers",
     /// Texture to which a view is written for display.
     Picture = "picture",
+    /// Uniform buffer, and both eyes' pictures, of the kernel that makes one picture of them.
+    Combining = "combining",
+    LeftPicture = "left_picture",
+    RightPicture = "right_picture",
     /// Number of threads of an encoded frame that did not finish.
     Unfinished = "unfinished",
     /// State of work in steps (`src/frame/lanes.rs`).

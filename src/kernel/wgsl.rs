@@ -30,7 +30,7 @@
 use std::{collections::HashMap, sync::LazyLock};
 
 use crate::{
-    gpu::{TEXELS, sampled_layers_type, sampled_type, storage_type, texture_type, uniform_type},
+    gpu::{TEXELS, sampled_float_type, sampled_layers_type, sampled_type, storage_type, texture_type, uniform_type},
     kernel::Resource,
 };
 
@@ -359,6 +359,7 @@ fn binding_of(words: &[&'static str]) -> Option<wgpu::BindingType> {
         ["var", "<", "uniform", ">", ..] => Some(uniform_type()),
         ["var", "<", "storage", ",", "read", ">", ..] => Some(storage_type(true)),
         ["var", "<", "storage", ",", "read_write", ">", ..] => Some(storage_type(false)),
+        ["var", _, ":", "texture_2d", "<", "f32", ..] => Some(sampled_float_type()),
         ["var", _, ":", "texture_2d", "<", "u32", ..] => Some(sampled_type()),
         ["var", _, ":", "texture_2d_array", "<", "u32", ..] => Some(sampled_layers_type()),
         ["var", _, ":", "texture_storage_2d", "<", format, ",", access, ..] => {

@@ -15,6 +15,7 @@ mod flow;
 mod jpeg;
 #[cfg(feature = "png")]
 mod layers;
+pub(crate) mod on_device;
 mod packing;
 mod pair_rows;
 #[cfg(any(feature = "jpeg", feature = "png"))]

@@ -6,7 +6,11 @@ use crate::common;
 use common::{gpu, has_small_bands, random_stage, renderer};
 use stereotrace::{
     AmbientOcclusion, Builtin, EncodedView, Equirectangular, Error, GBuffer, Gpu, Light, Method, Options, Projection,
-    Renderer, Rig, Rows, Scene, Sky, Span, StereoCamera, View, Visibility, blocking::Wait, glam::Vec3, wgpu,
+    Renderer, Rig, Rows, Scene, Sky, Span, StereoCamera, View, Visibility,
+    blocking::Wait,
+    glam::Vec3,
+    output::{Anaglyph, Combination, Packing},
+    wgpu,
 };
 
 /// Returns a camera whose picture has two bands of 64 rows, and 30 rows more.
@@ -155,6 +159,46 @@ fn encoded_views_are_those_that_are_read_back() {
             }
         }
     }
+}
+
+#[test]
+fn pictures_of_both_eyes_on_the_device_are_those_for_files() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(gpu.clone());
+    let uploaded = renderer.upload(&random_stage(4)).wait().unwrap();
+    let camera = camera().size(61, 43);
+    let options = Options::new(Method::BRACKET).g_buffer(GBuffer::None);
+    let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
+    let anaglyphs = Anaglyph::ALL.iter().map(|&kind| (Combination::Anaglyph(kind), 1));
+    let packings = Packing::ALL.iter().map(|&packing| {
+        let mixes = matches!(packing, Packing::HalfSideBySide | Packing::HalfTopBottom);
+        (Combination::Packed(packing), u8::from(mixes))
+    });
+    for (how, most) in anaglyphs.chain(packings) {
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let rig = Rig::pair(camera);
+        let encoded = renderer.views(&uploaded, &rig).options(&options).encode(&mut encoder).wait().unwrap();
+        let [left, right] = &encoded.views[..] else { unreachable!("two eyes") };
+        let picture = renderer.encode_combined(how, [left, right], &mut encoder).wait().unwrap();
+        gpu.queue().submit([encoder.finish()]);
+        let expected = how.picture(&pair.left, &pair.right);
+        assert_eq!([picture.width(), picture.height()], [expected.width, expected.height], "{how:?}");
+        let found = texels(&gpu, &picture).into_flattened();
+        let apart = found.iter().zip(expected.rgba8.as_flattened()).map(|(a, b)| a.abs_diff(*b));
+        let apart = Vec::from_iter(apart);
+        let differing = apart.iter().filter(|&&apart| apart > 0).count();
+        println!("{how:?}: {differing} of {} bytes differ", apart.len());
+        assert!(apart.iter().all(|&apart| apart <= most) && differing * 100 <= apart.len(), "{how:?} {differing}");
+    }
+    let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut encoded = |size: [u32; 2]| {
+        let rig = Rig::pair(camera.size(size[0], size[1]));
+        renderer.views(&uploaded, &rig).options(&options).encode(&mut encoder).wait().unwrap()
+    };
+    let [small, large] = [encoded([60, 43]), encoded([61, 43])];
+    let how = Combination::Packed(Packing::SideBySide);
+    let refused = renderer.encode_combined(how, [&small.views[0], &large.views[1]], &mut encoder).wait();
+    assert!(matches!(refused, Err(Error::Sizes { .. })), "{refused:?}");
 }
 
 /// The scene has nothing to hit. But its light is computed in several parts, and each part needs uniforms in each band.

@@ -5,6 +5,7 @@ use std::mem::offset_of;
 use super::{variants::variants, *};
 use crate::{
     accel::facets,
+    output::on_device::{COMBINE, Combining},
     render::denoise::SMOOTH_LIGHT_ONCE,
     shadow_buffer::READ_TEXELS,
     steps::paths::{ADD_BROUGHT, TRACE_PATHS},
@@ -94,6 +95,16 @@ fn host_and_wgsl_structs_have_the_same_layout() {
         ("_pad", offset_of!(layout::LensEyes, _pad)),
     ];
     assert_struct(&lens, "Eyes", &stated, size_of::<layout::Eyes>());
+    let combine = parse(&COMBINE, &Variant::PIXELS);
+    let stated = [
+        ("decoded", offset_of!(Combining, decoded)),
+        ("of_left", offset_of!(Combining, of_left)),
+        ("of_right", offset_of!(Combining, of_right)),
+        ("size", offset_of!(Combining, size)),
+        ("arrangement", offset_of!(Combining, arrangement)),
+        ("_pad", offset_of!(Combining, _pad)),
+    ];
+    assert_struct(&combine, "Combining", &stated, size_of::<Combining>());
     assert_layout!(module, Band { size, row_begin, row_end, first_row, runs, buffer_depth, jitter_seed });
     assert_layout!(
         module,

@@ -9,6 +9,7 @@ use crate::{
     frame::show::{PACK, SHOW_COLOR, SHOW_DEPTH},
     kernel::traversal::{Boxes, Traversal},
     kernel::variant::{Shadows, SkyKind},
+    output::on_device::COMBINE,
     render::cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
     render::denoise::{SMOOTH_LIGHT_ONCE, SMOOTH_VARIANCES},
     shadow_buffer::{
@@ -99,6 +100,7 @@ pub(super) const ALL: [&Kernel; 70] = [
     &PACK,
     &SHOW_COLOR,
     &SHOW_DEPTH,
+    &COMBINE,
     &PROJECT_MIDDLES,
     &DRAW_FEW_MIDDLES,
     &DRAW_MORE_MIDDLES,
