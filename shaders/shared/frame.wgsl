@@ -111,7 +111,7 @@ struct Costs {
 
 // Parameters of paths of light.
 struct PathRay {
-    ray: u32,       // number of the rays that trace_paths traces, counted from 1
+    ray: u32,       // number of the rays that trace_paths traces, counted from 1, or the round of trace_bounced
     bounces: u32,   // maximum number of surfaces that scatter a path's light, after the first hit
     first: u32,     // number of the first path of each pixel
     tolerance: f32, // largest difference between samples whose light is shared, in standard deviations

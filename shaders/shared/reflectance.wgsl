@@ -208,7 +208,7 @@ fn is_lit_here(surfaces: Surfaces) -> B {
 }
 
 //! if mirrors is listed
-// trace_mirrored computes the light of mirrors, glass and veils.
+// Later steps compute the light of mirrors, glass and veils.
 fn with_sends(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
     var sending = surfaces;
     sending.sends = with_ray_u(surfaces.sends, ray, select(0u, 1u, sends_rays(material)));

@@ -18,8 +18,17 @@ fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
 
 // Returns the light along rays from their hits, in linear colour without an upper limit.
 fn radiance(rays: Rays, hits: Hits, surfaces: Surfaces) -> F3 {
+    return radiance_in(rays, surfaces, light_from(rays.origin, surfaces));
+}
+
+// Returns the direct light at surfaces that are seen from a point.
+fn light_from(eye: vec3f, surfaces: Surfaces) -> Light {
     ask_tables(surfaces);
-    let light = direct_light(surfaces, rays.origin);
+    return direct_light(surfaces, eye);
+}
+
+// Returns the light along rays to surfaces in this direct light, like `radiance`.
+fn radiance_in(rays: Rays, surfaces: Surfaces, light: Light) -> F3 {
     var color = product3(surfaces.albedo, add3(all3(ambient_light()), light.diffuse));
     if SHINE { color = add3(color, add3(surfaces.emission, light.shine)); }
     return select3(sky(rays.direction), color, surfaces.there);

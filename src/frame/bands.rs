@@ -15,6 +15,11 @@ const HALO: u32 = layout::TILE;
 /// Maximum number of pixels of all views of a band: 64 MiB. Bands with the minimum number of rows may have more.
 const VIEWS_PIXELS: u32 = 1 << 22;
 
+/// Returns the number of rows that buffers of the smallest bands of a picture have, at most.
+pub(crate) fn fewest_rows(height: u32) -> u32 {
+    height.min(WHOLE + 2 * HALO)
+}
+
 /// Returns the approximate number of pixels of a band, for up to five lights. More lights reduce it. On a software
 /// adapter this number corresponds to about 1.5 million rays. A GPU needs work for thousands of threads, but its
 /// watchdog ends a submission after a second or more. A slow GPU traces eight times as many rays in a fifth of that

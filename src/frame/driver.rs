@@ -323,6 +323,10 @@ impl Driver<'_> {
                 let (empty, paths) = (&targets.empty_lists, targets.get(Resource::Paths, 0));
                 encoder.copy_buffer_to_buffer(empty, layout::LISTS_HEADS, paths, 0, Some(layout::PATHS_HEADS));
             }
+            Step::EmptyBounced => {
+                let (empty, bounced) = (&targets.empty_lists, targets.get(Resource::Bounced, 0));
+                encoder.copy_buffer_to_buffer(empty, layout::LISTS_HEADS, bounced, 0, Some(layout::BOUNCED_HEADS));
+            }
             Step::EmptySlots => self.slots.clear(encoder),
             Step::Clear(resource, bytes) => encoder.clear_buffer(targets.get(resource, 0), 0, bytes),
             Step::Copy(view) => self.encode_copy(encoder, view),

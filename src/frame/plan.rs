@@ -120,6 +120,8 @@ pub(crate) enum Step {
     EmptyLists,
     /// Empties the lists of paths.
     EmptyPaths,
+    /// Empties the lists of pixels in rounds of secondary rays.
+    EmptyBounced,
     /// Empties the 3D buffer.
     EmptySlots,
     /// Clears a buffer, or its first bytes.
@@ -206,7 +208,7 @@ impl Plan {
                     used.places.extend(with.linear.then_some((Resource::Linear, view)));
                 }
                 // These steps add no places, since the plan's kernels bind the same buffers.
-                Step::EmptyLists | Step::EmptyPaths | Step::EmptySlots | Step::Clear(..) => {}
+                Step::EmptyLists | Step::EmptyPaths | Step::EmptyBounced | Step::EmptySlots | Step::Clear(..) => {}
                 Step::CopyBounds(_) | Step::Remember(_) => {}
             }
         }

@@ -25,13 +25,15 @@ pub(crate) enum Part {
     },
     /// The rays of this number along all paths, counted from 1.
     Paths { ray: u32 },
+    /// A round of secondary rays. Round 0 shades first hits.
+    Bounced { round: u32 },
 }
 
 /// The uniforms of all views.
 #[derive(Debug)]
 pub(crate) struct Uniforms {
     views: Vec<layout::Frame>,
-    /// Parts of soft light, then of paths. Each part has its own uniform.
+    /// Parts of soft light, then of paths or of secondary rays. Each part has its own uniform.
     parts: Vec<Part>,
 }
 
@@ -70,7 +72,7 @@ impl Uniforms {
                 Some(&Part::Soft { light, slot, first }) => {
                     frame.lighting = layout::Lighting { light, slot, first_ray: first, ..frame.lighting };
                 }
-                Some(&Part::Paths { ray }) => frame.paths.ray = ray,
+                Some(&(Part::Paths { ray } | Part::Bounced { round: ray })) => frame.paths.ray = ray,
                 None => {}
             }
             place[..size_of::<layout::Frame>()].copy_from_slice(bytemuck::bytes_of(&frame));

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::MAX_PATH_BOUNCES;
+use crate::{MAX_BOUNCES, MAX_PATH_BOUNCES};
 
 /// `Eyes` of shaders/shared/frame.wgsl.
 #[repr(C)]
@@ -195,6 +195,33 @@ pub(crate) struct Brought {
     pub(crate) newest: [f32; 2],
 }
 
+/// `SentRay` of shaders/shared/bounced.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct SentRay {
+    pub(crate) origin: [f32; 3],
+    pub(crate) travelled: f32,
+    pub(crate) direction: [f32; 3],
+    pub(crate) depth: u32,
+    pub(crate) weight: [f32; 3],
+    pub(crate) t: f32,
+}
+
+/// `BouncedPixel` of shaders/shared/bounced.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct BouncedPixel {
+    pub(crate) color: [f32; 3],
+    pub(crate) waiting: u32,
+    pub(crate) diffuse: [f32; 3],
+    pub(crate) slot: u32,
+    pub(crate) shine: [f32; 3],
+    pub(crate) sent: u32,
+    pub(crate) entries: [u32; 2],
+    pub(crate) _pad: [u32; 2],
+    pub(crate) rays: [SentRay; MAX_BOUNCES as usize + 1],
+}
+
 /// `LightParts` of `shaders/shared/light_parts.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -277,6 +304,13 @@ pub(crate) const LISTS_HEADS: u64 = (HEADS * size_of::<[u32; 4]>()) as u64;
 pub(crate) const PATH_HEADS: usize = MAX_PATH_BOUNCES as usize + 1;
 /// Offset of the paths in `Paths`, in bytes.
 pub(crate) const PATHS_HEADS: u64 = (PATH_HEADS * size_of::<[u32; 4]>()) as u64;
+
+/// Maximum number of rounds of secondary rays after the one that shades first hits, and of lists of their pixels
+/// (`shaders/shared/bounced.wgsl`).
+pub(crate) const BOUNCED_ROUNDS: u32 = 2 * MAX_BOUNCES;
+pub(crate) const BOUNCED_LISTS: usize = BOUNCED_ROUNDS as usize + 2;
+/// Offset of the pixels in `Bounced`, in bytes.
+pub(crate) const BOUNCED_HEADS: u64 = (BOUNCED_LISTS * size_of::<[u32; 4]>()) as u64;
 
 /// Number of threads of a workgroup in x and in y (`shaders/shared/pixels.wgsl`).
 pub(crate) const WORKGROUP: u32 = 8;

@@ -47,6 +47,8 @@ resources! {
     SourceCounters = "source_counters",
     /// Lists of pixels or tiles with heads for indirect dispatches, followed by the results of `search_tiles`.
     Lists = "lists",
+    /// Pixels of the current view that show mirrors, glass or veils, and the rays that these surfaces send on.
+    Bounced = "bounced",
     /// Paths of light of the current view.
     Paths = "paths",
     /// Light that the paths of the current view brought.

@@ -43,6 +43,8 @@ pub(crate) enum Hits {
     Listed,
     /// Pixels whose hits a T-buffer holds.
     Drawn,
+    /// Listed pixels that show mirrors, glass or veils. The hits are those of the rays that these surfaces send on.
+    Bounced,
 }
 
 /// The canvas onto which primitives are drawn.
@@ -98,6 +100,8 @@ pub(crate) enum Shading {
     ListMirrors,
     /// Hits of secondary rays, which surfaces reflect or transmit.
     Mirrored,
+    /// Like [`Mirrored`](Self::Mirrored), with known light. The kernel sends on rays.
+    MirroredLit,
 }
 
 /// How a kernel uses samples of source views.
@@ -183,7 +187,7 @@ impl Hits {
         match self {
             Self::View | Self::Tiles => Does { minds_mask: true, ..Does::PLAIN },
             Self::Trusted => Does { checks: false, ..Does::PLAIN },
-            Self::Checked | Self::Listed | Self::Drawn => Does::PLAIN,
+            Self::Checked | Self::Listed | Self::Drawn | Self::Bounced => Does::PLAIN,
         }
     }
 }
@@ -227,7 +231,8 @@ impl Shading {
                 let (samples, soft, visibility) = (SampleUse::Read, SoftRole::Asked, Visible::TakenOrTraced);
                 Does { samples, soft, visibility, ..plain }
             }
-            Self::Mirrored => Does { soft: SoftRole::Followed, queries_shadow_buffers: true, follows: true, ..plain },
+            Self::Mirrored => Does { queries_shadow_buffers: true, ..Self::MirroredLit.does() },
+            Self::MirroredLit => Does { soft: SoftRole::Followed, follows: true, ..plain },
         }
     }
 }

@@ -302,10 +302,13 @@ impl Variant {
             Role::Draw(Canvas::Picture | Canvas::Middles) | Role::Hits(Hits::Drawn) => {
                 Self { camera: CameraModel::Planar, ..self.unlit() }
             }
-            Role::Hits(_) | Role::RayList(_) => self.unlit(),
             // Each lane traces one secondary ray or lists one pixel. Secondary rays start anywhere, so they count as
             // close.
-            Role::Shade(Shading::ListMirrors | Shading::Mirrored) => Self {
+            Role::Hits(Hits::Bounced) => {
+                Self { traversal: self.traversal.rays(RaysPerLane::One), close: true, ..self.unlit() }
+            }
+            Role::Hits(_) | Role::RayList(_) => self.unlit(),
+            Role::Shade(Shading::ListMirrors | Shading::Mirrored | Shading::MirroredLit) => Self {
                 traversal: self.traversal.rays(RaysPerLane::One),
                 close: true,
                 paths: false,

@@ -13,7 +13,8 @@ use crate::{
     frame::history::Recall,
     frame::plan::{InSteps, Made, Plan, Search, Stage, Step, targets},
     steps::{
-        history, mirrors,
+        history,
+        mirrors::{self, Mirrors},
         paths::{self, Paths},
         trace,
     },
@@ -25,8 +26,8 @@ use crate::{
 pub(crate) struct Views<'a> {
     /// The source of each view. A traced view is its own source.
     pub(crate) sources: &'a [usize],
-    /// Whether some surface reflects or transmits rays that a step follows.
-    pub(crate) mirrors: bool,
+    /// How rays are followed that surfaces reflect or transmit, if there are any.
+    pub(crate) mirrors: Option<Mirrors>,
     /// Paths of light, if they are followed.
     pub(crate) paths: Option<Paths>,
     /// Number of parts in which soft light is sampled, or `None` without soft light.
@@ -76,7 +77,7 @@ impl Promise {
 pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
     let Views { sources, mirrors, paths, soft, search, drawn, .. } = *views;
     let Promise { made, bits, samples, reaches, follows } = promise(method, drawn.is_some());
-    let behind = |view| if mirrors { mirrors::of(view) } else { Vec::new() };
+    let behind = |view| mirrors.map_or(Vec::new(), |mirrors| mirrors::of(view, mirrors));
     let all = 0..sources.len();
     let traced = all.clone().filter(|&view| sources[view] == view);
     let recall = if samples && !reaches && drawn.is_none() { views.recall } else { Recall::Nothing };

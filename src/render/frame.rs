@@ -23,7 +23,7 @@ use crate::{
     methods::{self, auto::CostModel},
     sampling::Jitter,
     scene::shadowing::Kept,
-    steps::paths::Paths,
+    steps::{mirrors::Mirrors, paths::Paths},
     t_buffer::Drawn,
     view::rig::{CameraModel, Eyes},
 };
@@ -266,7 +266,7 @@ impl Renderer {
                 ..Default::default()
             },
         };
-        Uniforms::new((0..eyes.sources.len()).map(view).collect(), parts_of(scene, options).collect())
+        Uniforms::new((0..eyes.sources.len()).map(view).collect(), self.parts_of(scene, eyes, options))
     }
 
     /// Returns how a frame may use the history, and which of its bits hold. Frames of several traced views, of parts of
@@ -314,6 +314,21 @@ impl Renderer {
         Ok(())
     }
 
+    /// Returns how secondary rays are followed, if there are any. Paths follow them themselves.
+    fn mirrors(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> Option<Mirrors> {
+        let first_part = scene.soft.parts(options).len();
+        let are_followed = scene.variant.mirrors && !options.follows_paths();
+        are_followed.then(|| Mirrors::of(&self.gpu, self.shades_apart, eyes.pose.size, options.bounces, first_part))
+    }
+
+    /// Returns the parts of soft light, and of paths or secondary rays, whether or not a step uses them.
+    fn parts_of(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> Vec<Part> {
+        let soft = scene.soft.parts(options);
+        let paths = Paths::of(options, soft.len()).into_iter().flat_map(Paths::parts);
+        let mirrors = self.mirrors(scene, eyes, options).into_iter().flat_map(Mirrors::parts);
+        soft.into_iter().chain(paths).chain(mirrors).collect()
+    }
+
     /// Returns a frame's method, the early choice of `Auto` if it can be made before the first step, and the plan.
     pub(super) fn planned(
         &self,
@@ -331,7 +346,7 @@ impl Renderer {
         let chosen = early.map_or(method, |choice| choice.method);
         let views = methods::Views {
             sources: &eyes.sources,
-            mirrors: scene.variant.mirrors && !options.follows_paths(),
+            mirrors: self.mirrors(scene, eyes, options),
             paths: Paths::of(options, scene.soft.parts(options).len())
                 .filter(|_| scene.variant.has_tree() || scene.variant.planes > 0),
             soft,
@@ -385,7 +400,7 @@ impl Renderer {
             g_buffer: options.g_buffer,
             soft_sources: scene.soft.count(options),
             drawing_bytes: drawn.map_or(0, Drawn::list_bytes),
-            parts: (parts_of(scene, options).count() as u32).max(1),
+            parts: (self.parts_of(scene, eyes, options).len() as u32).max(1),
         };
         let mut fitting = shape(self.band_pixels / rays.div_ceil(6));
         while let Some(fewer) = fitting.bands.fewer_rows() {
@@ -452,13 +467,6 @@ fn paths_per_sample(options: &Options) -> u32 {
 /// Returns the memory that a history may take.
 fn history_bytes(options: &Options) -> u64 {
     u64::from(options.history.unwrap_or(0)) << 20
-}
-
-/// Returns the parts of soft light and of paths, whether or not a step uses them.
-fn parts_of(scene: &UploadedScene, options: &Options) -> impl Iterator<Item = Part> {
-    let soft = scene.soft.parts(options);
-    let paths = Paths::of(options, soft.len());
-    soft.into_iter().chain(paths.into_iter().flat_map(Paths::parts))
 }
 
 impl Frame<'_> {

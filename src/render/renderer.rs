@@ -41,6 +41,8 @@ pub struct Renderer {
     pub(crate) runs: u32,
     /// Whether `bracket` searches each tile by a workgroup. A thread per tile would leave most of a GPU idle.
     pub(crate) searches_together: bool,
+    /// Whether kernels that trace secondary rays do not shade their hits.
+    pub(crate) shades_apart: bool,
     pub(crate) steps: Steps,
     /// What `Auto` chooses by.
     pub(crate) calibration: Calibration,
@@ -64,6 +66,7 @@ impl Renderer {
     }
 
     fn by(gpu: Gpu, traversal: Traversal) -> Self {
+        let has_many_threads = gpu.adapter_info().device_type != wgpu::DeviceType::Cpu;
         Self {
             traversal,
             kernels: Kernels::default(),
@@ -72,7 +75,8 @@ impl Renderer {
             band_pixels: frame::band_pixels(&gpu),
             read_back_bytes: frame::read_back_bytes(&gpu),
             runs: gpu.threads(),
-            searches_together: gpu.adapter_info().device_type != wgpu::DeviceType::Cpu,
+            searches_together: has_many_threads,
+            shades_apart: has_many_threads,
             steps: Steps::default(),
             calibration: Calibration::of(&gpu),
             rounding_warned: Once::new(),

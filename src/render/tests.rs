@@ -4,9 +4,9 @@ use std::{num::NonZeroU32, ops::ControlFlow};
 use glam::Vec3;
 
 use crate::{
-    BufferDepth, Calibration, Check, Equirectangular, Error, GBuffer, Gpu, Lighting, Method, Options, PoleMerge,
-    Progress, Projection, Renderer, Rows, Scene, Span, Statistics, StereoCamera, StereoPair, Traversal, UploadedScene,
-    Visibility,
+    BufferDepth, Calibration, Check, Equirectangular, Error, Finish, GBuffer, Gpu, Light, Lighting, Material, Method,
+    Options, Plane, PoleMerge, Progress, Projection, Renderer, Rows, Scene, Span, Sphere, Statistics, StereoCamera,
+    StereoPair, Traversal, UploadedScene, Visibility,
     frame::{
         Bands,
         driver::{Driver, Setting},
@@ -163,6 +163,75 @@ fn auto_chooses_by_the_calibration() {
     assert_eq!(renderer.calibrate_on(&uploaded, &toed_in, &Options::default()).wait().unwrap(), on_it);
 }
 
+/// Returns balls of glass in a ball of glass, a veil and a mirror under lights. Many pixels have more rays than there
+/// are rounds.
+fn glass_in_glass() -> (Scene, StereoCamera) {
+    let mut scene = Scene::new();
+    let clear = Finish::Glass { index: 1.3, transmission: Vec3::new(0.97, 0.99, 1.0), fresnel: false };
+    let glass = scene.add_material(Material::new(Vec3::ZERO).specular(Vec3::splat(0.4)).finish(clear));
+    let silver = Material::new(Vec3::splat(0.1)).specular(Vec3::splat(0.8));
+    let silver = scene.add_material(silver.finish(Finish::Mirror { fresnel: true }));
+    let veil = scene.add_material(Material::new(Vec3::X).opacity(0.4).specular(Vec3::splat(0.5)));
+    let clear_veil = Material::new(Vec3::ZERO).opacity(0.5).specular(Vec3::splat(0.3));
+    let clear_veil = scene.add_material(clear_veil.finish(clear));
+    scene.add_sphere(Sphere::new(Vec3::ZERO, 2.2, glass)).unwrap();
+    for index in 0..27 {
+        let place = [index % 3, index / 3 % 3, index / 9].map(|axis| axis as f32 - 1.0);
+        let material = [glass, silver, glass, veil, clear_veil][index % 5];
+        scene.add_sphere(Sphere::new(Vec3::from(place), 0.45, material)).unwrap();
+    }
+    let ground = scene.add_material(Material::new(Vec3::splat(0.6)));
+    scene.add_plane(Plane::new(-2.3 * Vec3::Y, Vec3::Y, ground)).unwrap();
+    scene.lights = vec![
+        Light::point(Vec3::new(3.0, 5.0, 4.0), Vec3::splat(0.6)),
+        Light::sphere(Vec3::new(-3.0, 4.0, 3.0), 0.5, Vec3::splat(0.5)),
+    ];
+    (scene, StereoCamera::look_at(6.0 * Vec3::Z, Vec3::ZERO).interaxial_pixels(5.0))
+}
+
+#[test]
+fn secondary_rays_in_rounds_bring_what_they_bring_at_once() {
+    let of = |builtin: crate::scene::builtin::Builtin| (builtin.scene(), builtin.camera(64, 48));
+    let [glass, hall, random] =
+        [glass_in_glass(), of("hall-finished".parse().unwrap()), of("random-125-both".parse().unwrap())];
+    let deep = |method| Options::new(method).bounces(8);
+    let occluded = deep(Method::BRACKET).ambient_occlusion(Some(crate::AmbientOcclusion::new(4, 1.0)));
+    let cases = [
+        (&glass, Traversal::GPU, deep(Method::BRACKET).linear(true)),
+        (&glass, Traversal::ALL[0], deep(Method::Naive).count(true).cost_map(true)),
+        (&glass, Traversal::ALL[0], occluded.samples(4).linear(true)),
+        (&glass, Traversal::ALL[0], Options::new(Method::ATOMIC).bounces(1)),
+        (&glass, Traversal::ALL[0], Options::new(Method::Auto).bounces(0)),
+        (&hall, Traversal::ALL[0], Options::new(Method::BRACKET).linear(true)),
+        (&random, Traversal::ALL[0], Options::new(Method::BRACKET).samples(4)),
+    ];
+    let mut most = 0.0_f64;
+    for ((scene, camera), traversal, options) in cases {
+        let mut renderer = Renderer::with_traversal(renderer(USUAL).gpu, traversal);
+        renderer.band_pixels = 41 * 64;
+        let uploaded = renderer.upload(scene).wait().unwrap();
+        let camera = camera.size(41, 83);
+        let [apart, together] = [true, false].map(|apart| {
+            renderer.shades_apart = apart;
+            let mut pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
+            let kept = pair.statistics.intermediate_bytes;
+            (pair.statistics.times, pair.statistics.intermediate_bytes) = (None, 0);
+            (pair, kept)
+        });
+        let what = format!("{traversal:?}, {options:?}");
+        let secondary = together.0.statistics.left.rays.secondary;
+        assert_eq!(secondary > 0, options.bounces > 0, "{what}");
+        assert_eq!(apart.0.statistics, together.0.statistics, "{what}");
+        if options.samples == 1 {
+            most = most.max(secondary as f64 / (41.0 * 83.0));
+            let more = (41 * 64 * size_of::<layout::BouncedPixel>()) as u64 + layout::BOUNCED_HEADS;
+            assert_eq!(apart.1, together.1 + more, "{what}");
+        }
+        assert!(!renderer.gpu.is_exact() || apart.0 == together.0, "{what}");
+    }
+    assert!(most > f64::from(layout::BOUNCED_ROUNDS), "no pixel is left after the last round: {most} rays");
+}
+
 const TRUSTING: Method = Method::Atomic(Check::None);
 
 fn buffer(depth: BufferDepth) -> Method {
@@ -212,7 +281,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
         // The source depths are given, so the step that traces the source is removed.
         let views = methods::Views {
             sources: &eyes.sources,
-            mirrors: false,
+            mirrors: None,
             paths: None,
             soft: None,
             search: Search::Alone,

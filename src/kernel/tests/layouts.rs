@@ -8,7 +8,10 @@ use crate::{
     output::on_device::{COMBINE, Combining},
     render::denoise::SMOOTH_LIGHT_ONCE,
     shadow_buffer::READ_TEXELS,
-    steps::paths::{ADD_BROUGHT, TRACE_PATHS},
+    steps::{
+        mirrors::TRACE_BOUNCED,
+        paths::{ADD_BROUGHT, TRACE_PATHS},
+    },
     view::rig::{CameraModel, LensModel},
 };
 
@@ -30,6 +33,15 @@ fn assert_struct(module: &naga::Module, name: &str, stated: &[(&str, usize)], si
     let members: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
     assert_eq!(members, stated, "{name}");
     assert_eq!(*span as usize, size, "size of {name}");
+}
+
+/// Returns the size of the heads of lists at the beginning of a struct, in bytes.
+fn heads_of(module: &naga::Module, name: &str) -> u64 {
+    let header = module.types.iter().find_map(|(_, kind)| match &kind.inner {
+        naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some(name) => Some(members[1].offset),
+        _ => None,
+    });
+    header.unwrap().into()
 }
 
 #[test]
@@ -124,19 +136,15 @@ fn host_and_wgsl_structs_have_the_same_layout() {
         Mapping { light, theta_begin, axis_x, theta_step, axis_y, phi_begin, axis_z, phi_step, columns, margin }
     );
     let listed = parse(&TRACE_LISTED, &with);
-    let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {
-        naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("Lists") => Some(members[1].offset),
-        _ => None,
-    });
-    assert_eq!(header.map(u64::from), Some(layout::LISTS_HEADS));
+    assert_eq!(heads_of(&listed, "Lists"), layout::LISTS_HEADS);
     let paths = &parse(&TRACE_PATHS, &Variant { paths: true, ..with });
-    let header = paths.types.iter().find_map(|(_, kind)| match &kind.inner {
-        naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("Paths") => Some(members[1].offset),
-        _ => None,
-    });
-    assert_eq!(header.map(u64::from), Some(layout::PATHS_HEADS));
+    assert_eq!(heads_of(paths, "Paths"), layout::PATHS_HEADS);
     assert_layout!(paths, Path { origin, travelled, direction, density, weight, is_diffuse, entries, _pad });
     assert_layout!(paths, Brought { diffuse, paths, glossy, marks, squares, newest });
+    let bounced = &parse(&TRACE_BOUNCED, &Variant { mirrors: true, ..with });
+    assert_eq!(heads_of(bounced, "Bounced"), layout::BOUNCED_HEADS);
+    assert_layout!(bounced, SentRay { origin, travelled, direction, depth, weight, t });
+    assert_layout!(bounced, BouncedPixel { color, waiting, diffuse, slot, shine, sent, entries, _pad, rays });
     let parts = parse(&ADD_BROUGHT, &Variant { paths: true, linear: true, parts: true, ..with });
     assert_layout!(
         &parts,

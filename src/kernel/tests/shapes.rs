@@ -51,7 +51,9 @@ pub(super) fn modules_of(kernel: &Kernel) -> Vec<(&'static str, String)> {
         return Vec::new();
     }
     let suits = |with: &Variant| match kernel.role {
-        Role::Shade(Shading::ListMirrors | Shading::Mirrored) => with.mirrors,
+        Role::Shade(Shading::ListMirrors | Shading::Mirrored | Shading::MirroredLit) | Role::Hits(Hits::Bounced) => {
+            with.mirrors
+        }
         Role::Paths | Role::SharePaths => with.paths,
         Role::Shade(Shading::Soft | Shading::SoftListed | Shading::SoftUnknown | Shading::RecalledSoft) => {
             with.is_soft()

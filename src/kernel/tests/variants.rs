@@ -26,7 +26,9 @@ use crate::{
             BOUND_BY_HISTORY, MARK_BUSY_BY_HISTORY, SHADE_RECALLED, SHADE_RECALLED_LISTED, SHADE_RECALLED_SKY,
             TRACE_SOFT_RECALLED,
         },
-        mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
+        mirrors::{
+            BEGIN_BOUNCED, FINISH_BOUNCED, LIGHT_BOUNCED, LIST_MIRRORS, SEND_BOUNCED, TRACE_BOUNCED, TRACE_MIRRORED,
+        },
         paths::{
             ADD_BROUGHT, BEGIN_LISTED_PATHS, BEGIN_PATHS, KEEP_BROUGHT, RECALL_BROUGHT, SHARE_BROUGHT, TRACE_PATHS,
         },
@@ -39,9 +41,14 @@ use crate::{
     view::rig::{CameraModel, LensModel},
 };
 
-pub(super) const ALL: [&Kernel; 70] = [
+pub(super) const ALL: [&Kernel; 75] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
+    &BEGIN_BOUNCED,
+    &TRACE_BOUNCED,
+    &LIGHT_BOUNCED,
+    &SEND_BOUNCED,
+    &FINISH_BOUNCED,
     &BEGIN_PATHS,
     &BEGIN_LISTED_PATHS,
     &SHARE_BROUGHT,
@@ -114,7 +121,7 @@ pub(super) const ALL: [&Kernel; 70] = [
 ];
 
 /// Kernels of frames that `naive` renders, and kernels without cameras. Pictures of lenses need no others.
-const WITH_LENSES: [&str; 18] = [
+const WITH_LENSES: [&str; 23] = [
     "trace_left",
     "trace_in_steps",
     "trace_hits",
@@ -122,6 +129,11 @@ const WITH_LENSES: [&str; 18] = [
     "shade_hits",
     "list_mirrors",
     "trace_mirrored",
+    "begin_bounced",
+    "trace_bounced",
+    "light_bounced",
+    "send_bounced",
+    "finish_bounced",
     "begin_paths",
     "trace_paths",
     "add_brought",
@@ -265,10 +277,11 @@ pub(super) fn variants() -> Vec<Variant> {
 pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
     match kernel.role {
-        Role::Shade(Shading::ListMirrors | Shading::Mirrored) => {
+        Role::Shade(Shading::ListMirrors | Shading::Mirrored | Shading::MirroredLit) => {
             all.retain(|with| with.has_tree() || with.planes > 0);
             all.iter_mut().for_each(|with| with.mirrors = true);
         }
+        Role::Hits(Hits::Bounced) => all.retain(|with| with.has_tree() || with.planes > 0),
         Role::Paths | Role::SharePaths => {
             all.retain(|with| with.has_tree() || with.planes > 0);
             all.iter_mut().for_each(|with| (with.paths, with.linear) = (true, true));
