@@ -142,17 +142,23 @@ fn spin_of(light: u32, ray: u32) -> vec2f {
 }
 
 fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {
-    let kind = light_kind(light);
     let point = of_ray3(surfaces.point, ray);
     let from_eye = abs(point - eye);
     var reach = of_ray(surfaces.reach, ray);
     if CLOSE { reach = min(reach, max(max(from_eye.x, from_eye.y), from_eye.z) * LARGE); }
+    let geometric_normal = of_ray3(surfaces.geometric_normal, ray);
+    let start = point + geometric_normal * off_surface(point, eye, reach);
+    return aim_from(start, geometric_normal, of_ray3(surfaces.shading_normal, ray), light, ray);
+}
+
+fn aim_from(start: vec3f, geometric_normal: vec3f, shading_normal: vec3f, light: u32, ray: u32) -> Aim {
+    let kind = light_kind(light);
     var aim: Aim;
     aim.kind = kind;
     aim.light = light;
-    aim.geometric_normal = of_ray3(surfaces.geometric_normal, ray);
-    aim.shading_normal = of_ray3(surfaces.shading_normal, ray);
-    aim.start = point + aim.geometric_normal * off_surface(point, eye, reach);
+    aim.geometric_normal = geometric_normal;
+    aim.shading_normal = shading_normal;
+    aim.start = start;
     aim.spin = spin_of(light, ray);
     aim.count = select(LIGHT_RAYS, OCCLUSION_RAYS, kind == SURROUNDINGS);
     aim.base = aim.shading_normal;
@@ -176,9 +182,10 @@ fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {
     return aim;
 }
 
-// Returns four rays, distributed over the shape of the light source.
-fn spread_four(aim: Aim, group: u32) -> Four {
-    let index = vec4u(0u, 1u, 2u, 3u) + vec4u(4u * group);
+fn indices_of(group: u32) -> vec4u { return vec4u(0u, 1u, 2u, 3u) + vec4u(4u * group); }
+
+// Returns the rays of these indices, distributed over the shape of the light source.
+fn spread_four(aim: Aim, index: vec4u) -> Four {
     let u = fract((vec4f(index) + 0.5) / f32(aim.count) + aim.spin.x);
     let v = fract(vec4f(reverseBits(index) >> vec4u(8u)) / 16777216.0 + aim.spin.y);
     var p = 2.0 * u - 1.0;

@@ -25,9 +25,10 @@ fn with_color(four: FourColors, index: u32, color: vec3f) -> FourColors {
 }
 
 //! if surroundings is ambient or cosine
-fn four_rays(aim: Aim, group: u32) -> Four {
-    return spread_four(aim, group);
-}
+fn four_rays(aim: Aim, group: u32) -> Four { return spread_four(aim, indices_of(group)); }
+
+// Returns a ray, four times.
+fn one_ray(aim: Aim, index: u32) -> Four { return spread_four(aim, vec4u(index)); }
 
 //! if surroundings is cosine
 // For a sky of one colour or a gradient rays are distributed by the cosine, so all have the same weight.
@@ -54,9 +55,28 @@ fn bright_rays(aim: Aim) -> u32 { return aim.count / 2u; }
 
 fn cosine_rays(aim: Aim) -> u32 { return aim.count - bright_rays(aim); }
 
-fn four_rays(aim: Aim, group: u32) -> Four {
-    if aim.kind != SURROUNDINGS { return spread_four(aim, group); }
-    let index = vec4u(0u, 1u, 2u, 3u) + vec4u(4u * group);
+fn four_rays(aim: Aim, group: u32) -> Four { return sky_rays(aim, indices_of(group)); }
+
+// Returns a ray, four times. The first place of `sky_rays` is for even indices, the second for odd ones.
+fn one_ray(aim: Aim, index: u32) -> Four {
+    let four = sky_rays(aim, vec4u(index & ~1u, index | 1u, index & ~1u, index | 1u));
+    return one_of_four(four, index & 1u);
+}
+
+fn one_of_four(four: Four, place: u32) -> Four {
+    return Four(
+        vec4f(four.x[place]),
+        vec4f(four.y[place]),
+        vec4f(four.z[place]),
+        vec4f(four.far[place]),
+        vec4f(four.weight[place]),
+        vec4f(four.fade[place]),
+        vec4<bool>(four.wanted[place]),
+    );
+}
+
+fn sky_rays(aim: Aim, index: vec4u) -> Four {
+    if aim.kind != SURROUNDINGS { return spread_four(aim, index); }
     let bright = (index & vec4u(1u)) == vec4u(1u);
     let count = select(vec4f(f32(cosine_rays(aim))), vec4f(max(f32(bright_rays(aim)), 1.0)), bright);
     let place = index >> vec4u(1u);

@@ -168,14 +168,17 @@ fn ask_light(pixels: Pixels, wanted: B) {
 //! if rays is one
 // Returns which of four rays reach the source, one bit each.
 fn traced_four(aim: Aim, group: u32) -> u32 {
-    let rays = four_rays(aim, group);
     var mask = 0u;
     var index = 0u;
     loop {
-        if rays.wanted[index] {
+        // A ray that is computed when it is traced takes no registers before (docs/TRAVERSAL.md).
+        let again = aim_from(aim.start, aim.geometric_normal, aim.shading_normal, aim.light, 0u);
+        let rays = one_ray(again, 4u * group + index);
+        if rays.wanted.x {
             soft_rays += 1u;
-            let direction = F3(rays.x[index], rays.y[index], rays.z[index]);
-            if any_slot(Rays(aim.start, direction), 0.0, rays.far[index]) == MISS { mask |= 1u << index; }
+            if any_slot(Rays(aim.start, F3(rays.x.x, rays.y.x, rays.z.x)), 0.0, rays.far.x) == MISS {
+                mask |= 1u << index;
+            }
         }
         index += 1u;
         if index >= 4u { break; }
