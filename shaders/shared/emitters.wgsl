@@ -26,15 +26,41 @@ struct Sent {
 
 fn plus(a: Sent, b: Sent) -> Sent { return Sent(a.diffuse + b.diffuse, a.glossy + b.glossy); }
 
-// Returns the light of all lights and of a sky map. `pair` is the vertex's first pair of random numbers. Other kernels
-// shade lights that the first vertex sees unhidden.
-fn sent_from_emitters(vertex: Vertex, pair: u32, is_first: bool) -> Sent {
-    let bright = plus(sent_from_emitting(vertex, pair), sent_from_sky(vertex, pair));
-    return plus(sent_from_lights(vertex, pair, is_first), bright);
+// Light that a vertex may receive along a ray. Light that arrives is a share of `scale`.
+struct LightRay {
+    direction: vec3f,    // unit, to the light
+    far: f32,            // length; 0: there is no light
+    scale: vec3f,
+    diffuse: f32,        // factor of light that arrives, for diffuse reflection
+    glossy: vec3f,       // and for reflected radiance
+    _pad: u32,
 }
 
-fn sent_from_lights(vertex: Vertex, pair: u32, is_first: bool) -> Sent {
-    let none = Sent(vec3f(0.0), vec3f(0.0));
+// Returns the light of all lights, of emitting surfaces and of a sky map. `pair` is the vertex's first pair of random
+// numbers. Other kernels shade lights that the first vertex sees unhidden.
+fn sent_from_emitters(vertex: Vertex, pair: u32, is_first: bool) -> Sent {
+    let start = leaving(vertex, 1.0);
+    let bright = plus(arrived(start, ray_to_emitting(vertex, pair)), arrived(start, ray_to_sky(vertex, pair)));
+    return plus(passed(start, ray_to_light(vertex, pair, is_first), is_first), bright);
+}
+
+// Returns the light that a ray brings, if nothing is in its way.
+fn arrived(start: vec3f, ray: LightRay) -> Sent {
+    if ray.far <= 0.0 { return Sent(vec3f(0.0), vec3f(0.0)); }
+    light_rays += 1u;
+    if any_slot(Rays(start, all3(ray.direction)), 0.0, ray.far) != MISS { return Sent(vec3f(0.0), vec3f(0.0)); }
+    return Sent(ray.scale * ray.diffuse, ray.scale * ray.glossy);
+}
+
+// Returns the light that a ray brings through what is in its way.
+fn passed(start: vec3f, ray: LightRay, is_first: bool) -> Sent {
+    if ray.far <= 0.0 { return Sent(vec3f(0.0), vec3f(0.0)); }
+    let light = ray.scale * passing(start, ray.direction, ray.far, is_first);
+    return Sent(light * ray.diffuse, light * ray.glossy);
+}
+
+fn ray_to_light(vertex: Vertex, pair: u32, is_first: bool) -> LightRay {
+    let none = LightRay();
     let count = table_texel(AMBIENT).w;
     if count == 0u || (is_first && !SEES_THROUGH) { return none; }
     let light = min(u32(random_point(pair + PAIR_LIGHT).x * f32(count)), count - 1u);
@@ -62,8 +88,7 @@ fn sent_from_lights(vertex: Vertex, pair: u32, is_first: bool) -> Sent {
     let fade = faded(light, head.w, base, to_middle);
     let intensity = intensity_along(light, shading_vector(first + 1u), base);
     let scale = intensity * (f32(count) * fade * vertex.lobes.opacity / INVERSE_PI);
-    let passed = passing(start, to_light, select(far, FAR, head.w == SUN), is_first);
-    return Sent(scale * passed * there.diffuse, scale * passed * there.glossy);
+    return LightRay(to_light, select(far, FAR, head.w == SUN), scale, there.diffuse, there.glossy, 0u);
 }
 
 //! if light is paths and mirrors is none
@@ -124,8 +149,8 @@ fn cap_of(sine: f32) -> f32 { return sine * sine / (1.0 + sqrt(max(1.0 - sine * 
 // The share of a ray in front of an emitting surface that must be free.
 const NEARLY: f32 = 0.9999;
 
-fn sent_from_emitting(vertex: Vertex, pair: u32) -> Sent {
-    let none = Sent(vec3f(0.0), vec3f(0.0));
+fn ray_to_emitting(vertex: Vertex, pair: u32) -> LightRay {
+    let none = LightRay();
     if MATERIAL_TEXELS == 1u { return none; }
     let head = table_texel(table_texel(FOR_PATHS).w);
     if head.z == 0u { return none; }
@@ -167,12 +192,13 @@ fn sent_from_emitting(vertex: Vertex, pair: u32) -> Sent {
     if there.diffuse <= 0.0 { return none; }
     density /= bitcast<f32>(head.w);
     if !(density > 0.0) { return none; }
-    light_rays += 1u;
-    if any_slot(Rays(start, all3(to_light)), 0.0, far * NEARLY) != MISS { return none; }
-    let color = emission * vertex.lobes.opacity;
-    return Sent(
-        color * (there.diffuse / (density + there.diffuse_density)),
-        color * (there.glossy / (density + there.glossy_density)),
+    return LightRay(
+        to_light,
+        far * NEARLY,
+        emission * vertex.lobes.opacity,
+        there.diffuse / (density + there.diffuse_density),
+        there.glossy / (density + there.glossy_density),
+        0u,
     );
 }
 
@@ -195,15 +221,15 @@ fn emission_of_path(vertex: Vertex, density: f32, t: f32) -> vec3f {
 
 //! if light is paths and sky is constant or gradient
 // Paths that leave the scene find the sky.
-fn sent_from_sky(vertex: Vertex, pair: u32) -> Sent { return Sent(vec3f(0.0), vec3f(0.0)); }
+fn ray_to_sky(vertex: Vertex, pair: u32) -> LightRay { return LightRay(); }
 
 fn sky_of_path(direction: vec3f, density: f32) -> vec3f { return of_ray3(sky(all3(direction)), 0u); }
 
 //! if light is paths and sky is map
 // A bright part of a sky map is found by its brightness, and by paths that leave the scene. Both are combined by the
 // balance heuristic (Veach and Guibas 1995, "Optimally Combining Sampling Techniques").
-fn sent_from_sky(vertex: Vertex, pair: u32) -> Sent {
-    let none = Sent(vec3f(0.0), vec3f(0.0));
+fn ray_to_sky(vertex: Vertex, pair: u32) -> LightRay {
+    let none = LightRay();
     let at = random_point(pair + PAIR_SKY);
     let to_light = towards_brightness(at.x, at.y);
     let there = reflectance_of(vertex, to_light);
@@ -212,12 +238,13 @@ fn sent_from_sky(vertex: Vertex, pair: u32) -> Sent {
     let seen = sky_seen(to_light, header, map_mean(header));
     let density = seen.density * INVERSE_PI;
     if density <= 0.0 { return none; }
-    light_rays += 1u;
-    if any_slot(Rays(leaving(vertex, 1.0), all3(to_light)), 0.0, FAR) != MISS { return none; }
-    let color = seen.color * vertex.lobes.opacity;
-    return Sent(
-        color * (there.diffuse / (density + there.diffuse_density)),
-        color * (there.glossy / (density + there.glossy_density)),
+    return LightRay(
+        to_light,
+        FAR,
+        seen.color * vertex.lobes.opacity,
+        there.diffuse / (density + there.diffuse_density),
+        there.glossy / (density + there.glossy_density),
+        0u,
     );
 }
 

@@ -13,12 +13,13 @@ struct Path {
     // The pixels of the paths that are followed, in two lists that take turns: entry k of list n is entries[n & 1] of
     // path k.
     entries: array<u32, 2>,
-    _pad: vec2u,
+    t: f32,              // hit of the ray, once it is traced
+    slot: u32,           // MISS: none
 }
 
-// The paths of a band, and the heads of their lists, one for each ray of a path.
+// The paths of a band, and the heads of their lists, one for each vertex or ray of a path.
 struct Paths {
-    heads: array<ListHead, 33>,
+    heads: array<ListHead, 34>,
     each: array<Path>,
 }
 
@@ -94,10 +95,9 @@ fn mean_variances(sum: Brought) -> vec2f {
     return select(variances, sum.newest, known_means(sum));
 }
 
-// Adds a path to the list of those whose ray of this number is not traced yet. Rays are counted from 1. The order of a
-// list depends on the threads, but a path's light does not depend on its place.
-fn follow(index: u32, ray: u32) {
-    let list = ray - 1u;
+// Adds a path to the list of those whose next ray is not traced yet. The order of a list depends on the threads, but a
+// path's light does not depend on its place.
+fn follow(index: u32, list: u32) {
     let place = atomicAdd(&paths.heads[list].count, 1u);
     if place % LIST_WORKGROUP == 0u {
         let begun = place / LIST_WORKGROUP + 1u;

@@ -39,7 +39,7 @@ impl Resource {
                 Some((self, view))
             }
             Self::Packed | Self::Lists | Self::TBuffer | Self::Drawing => Some((self, 0)),
-            Self::Unfinished | Self::Paths | Self::Bounced => Some((self, 0)),
+            Self::Unfinished | Self::Paths | Self::Proposed | Self::Bounced => Some((self, 0)),
             Self::Frame | Self::Bvh | Self::Geometry | Self::Table | Self::ObjectTable => None,
             Self::History | Self::HistoryBounds | Self::EarlierLight | Self::KeptLight => None,
             Self::Slots | Self::SecondSamples | Self::Wanted | Self::ShadowBuffers | Self::Picture => None,
@@ -107,6 +107,7 @@ impl Shape {
             }
             Resource::Paths => layout::PATHS_HEADS + pixels.saturating_mul(size_of::<layout::Path>() as u64),
             Resource::Bounced => bounced_bytes(pixels),
+            Resource::Proposed => proposed_bytes(pixels),
             Resource::Brought => pixels.saturating_mul(size_of::<layout::Brought>() as u64),
             Resource::LightParts => pixels.saturating_mul(size_of::<layout::LightParts>() as u64),
             Resource::TBuffer => pixels.saturating_mul(8),
@@ -119,7 +120,8 @@ impl Shape {
     /// Returns whether a kernel can bind the largest buffer, and no buffer is far larger than the others.
     pub(crate) fn can_be_bound(&self, gpu: &Gpu, used: &Used) -> bool {
         used.buffers().all(|(resource, _)| {
-            let limit = if resource == Resource::Bounced { BOUNCED_BYTES } else { u64::MAX };
+            let is_state = matches!(resource, Resource::Bounced | Resource::Proposed);
+            let limit = if is_state { STATE_BYTES } else { u64::MAX };
             self.bytes(resource, used.searched) <= gpu.binding_limit().min(limit)
         })
     }
@@ -200,12 +202,17 @@ impl Used {
     }
 }
 
-/// Size of the buffer of secondary rays above which bands have fewer rows.
-const BOUNCED_BYTES: u64 = 256 << 20;
+/// Size of a buffer with the state of secondary rays or paths above which bands have fewer rows.
+const STATE_BYTES: u64 = 256 << 20;
 
 /// Returns the size of the buffer of secondary rays for a band of this number of pixels, in bytes.
 pub(crate) fn bounced_bytes(pixels: u64) -> u64 {
     layout::BOUNCED_HEADS + pixels.saturating_mul(size_of::<layout::BouncedPixel>() as u64)
+}
+
+/// Returns the size of the buffer of light that is proposed to paths, for a band of this number of pixels, in bytes.
+pub(crate) fn proposed_bytes(pixels: u64) -> u64 {
+    pixels.saturating_mul(size_of::<layout::Proposed>() as u64)
 }
 
 /// Maximum size of a frame's buffers, and of its pictures on the host, in bytes. Drivers do not report free memory, and

@@ -23,7 +23,7 @@ pub(crate) enum Part {
         /// Index of the first ray.
         first: u32,
     },
-    /// The rays of this number along all paths, counted from 1.
+    /// The rays of this number along all paths. Rays from eyes have the number 0.
     Paths { ray: u32 },
     /// A round of secondary rays. Round 0 shades first hits.
     Bounced { round: u32 },

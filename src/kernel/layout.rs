@@ -180,7 +180,35 @@ pub(crate) struct Path {
     pub(crate) weight: [f32; 3],
     pub(crate) is_diffuse: u32,
     pub(crate) entries: [u32; 2],
-    pub(crate) _pad: [u32; 2],
+    pub(crate) t: f32,
+    pub(crate) slot: u32,
+}
+
+/// `LightRay` of shaders/shared/emitters.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct LightRay {
+    pub(crate) direction: [f32; 3],
+    pub(crate) far: f32,
+    pub(crate) scale: [f32; 3],
+    pub(crate) diffuse: f32,
+    pub(crate) glossy: [f32; 3],
+    pub(crate) _pad: u32,
+}
+
+/// `Proposed` of shaders/shared/proposed.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Proposed {
+    pub(crate) start: [f32; 3],
+    pub(crate) is_open: u32,
+    pub(crate) emitted: [f32; 3],
+    pub(crate) travelled: f32,
+    pub(crate) weight: [f32; 3],
+    pub(crate) is_diffuse: u32,
+    pub(crate) albedo: [f32; 3],
+    pub(crate) _pad: u32,
+    pub(crate) rays: [LightRay; 3],
 }
 
 /// `Brought` of shaders/shared/paths.wgsl.
@@ -300,8 +328,8 @@ pub(crate) const ALL_TRACED: u32 = 5;
 /// Offset of the entries in `Lists`, in bytes.
 pub(crate) const LISTS_HEADS: u64 = (HEADS * size_of::<[u32; 4]>()) as u64;
 
-/// Number of lists of paths, one for each ray of a path (`shaders/shared/paths.wgsl`).
-pub(crate) const PATH_HEADS: usize = MAX_PATH_BOUNCES as usize + 1;
+/// Number of lists of paths, one for each vertex or ray of a path (`shaders/shared/paths.wgsl`).
+pub(crate) const PATH_HEADS: usize = MAX_PATH_BOUNCES as usize + 2;
 /// Offset of the paths in `Paths`, in bytes.
 pub(crate) const PATHS_HEADS: u64 = (PATH_HEADS * size_of::<[u32; 4]>()) as u64;
 

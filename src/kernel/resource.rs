@@ -51,6 +51,8 @@ resources! {
     Bounced = "bounced",
     /// Paths of light of the current view.
     Paths = "paths",
+    /// Light that is proposed to the vertices of paths of the current view.
+    Proposed = "proposed",
     /// Light that the paths of the current view brought.
     Brought = "brought",
     /// Light that the paths of the source view brought.

@@ -321,10 +321,16 @@ impl Renderer {
         are_followed.then(|| Mirrors::of(&self.gpu, self.shades_apart, eyes.pose.size, options.bounces, first_part))
     }
 
+    /// Returns the paths of a frame, if light follows them.
+    fn paths(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> Option<Paths> {
+        let paths = Paths::of(options, scene.soft.parts(options).len())?;
+        Some(paths.apart(&self.gpu, self.shades_apart, eyes.pose.size))
+    }
+
     /// Returns the parts of soft light, and of paths or secondary rays, whether or not a step uses them.
     fn parts_of(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> Vec<Part> {
         let soft = scene.soft.parts(options);
-        let paths = Paths::of(options, soft.len()).into_iter().flat_map(Paths::parts);
+        let paths = self.paths(scene, eyes, options).into_iter().flat_map(Paths::parts);
         let mirrors = self.mirrors(scene, eyes, options).into_iter().flat_map(Mirrors::parts);
         soft.into_iter().chain(paths).chain(mirrors).collect()
     }
@@ -347,8 +353,7 @@ impl Renderer {
         let views = methods::Views {
             sources: &eyes.sources,
             mirrors: self.mirrors(scene, eyes, options),
-            paths: Paths::of(options, scene.soft.parts(options).len())
-                .filter(|_| scene.variant.has_tree() || scene.variant.planes > 0),
+            paths: self.paths(scene, eyes, options).filter(|_| scene.variant.has_tree() || scene.variant.planes > 0),
             soft,
             search: Search::of(self.searches_together, options.samples),
             drawn,

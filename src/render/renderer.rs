@@ -41,7 +41,7 @@ pub struct Renderer {
     pub(crate) runs: u32,
     /// Whether `bracket` searches each tile by a workgroup. A thread per tile would leave most of a GPU idle.
     pub(crate) searches_together: bool,
-    /// Whether kernels that trace secondary rays do not shade their hits.
+    /// Whether kernels that trace secondary rays or paths do not shade their hits.
     pub(crate) shades_apart: bool,
     pub(crate) steps: Steps,
     /// What `Auto` chooses by.

@@ -5,8 +5,8 @@ use glam::Vec3;
 
 use crate::{
     BufferDepth, Calibration, Check, Equirectangular, Error, Finish, GBuffer, Gpu, Light, Lighting, Material, Method,
-    Options, Plane, PoleMerge, Progress, Projection, Renderer, Rows, Scene, Span, Sphere, Statistics, StereoCamera,
-    StereoPair, Traversal, UploadedScene, Visibility,
+    Options, Plane, PoleMerge, Progress, Projection, Renderer, Rows, Scene, Sky, SkyMap, Span, Sphere, Statistics,
+    StereoCamera, StereoPair, Texture, Traversal, UploadedScene, Visibility,
     frame::{
         Bands,
         driver::{Driver, Setting},
@@ -174,6 +174,11 @@ fn glass_in_glass() -> (Scene, StereoCamera) {
     let veil = scene.add_material(Material::new(Vec3::X).opacity(0.4).specular(Vec3::splat(0.5)));
     let clear_veil = Material::new(Vec3::ZERO).opacity(0.5).specular(Vec3::splat(0.3));
     let clear_veil = scene.add_material(clear_veil.finish(clear));
+    let mut random = Random::new(3);
+    let specks = (0..64 * 64).map(|_| [200, 90, 40, random.below(256) as u8]).collect();
+    let specks = scene.add_texture(Texture::image(64, 64, specks).unwrap());
+    let specked = scene.add_material(Material::new(Vec3::ONE).texture(specks).alpha_blend(true));
+    scene.add_sphere(Sphere::new(Vec3::new(0.0, 2.3, 1.0), 0.8, specked)).unwrap();
     scene.add_sphere(Sphere::new(Vec3::ZERO, 2.2, glass)).unwrap();
     for index in 0..27 {
         let place = [index % 3, index / 3 % 3, index / 9].map(|axis| axis as f32 - 1.0);
@@ -230,6 +235,48 @@ fn secondary_rays_in_rounds_bring_what_they_bring_at_once() {
         assert!(!renderer.gpu.is_exact() || apart.0 == together.0, "{what}");
     }
     assert!(most > f64::from(layout::BOUNCED_ROUNDS), "no pixel is left after the last round: {most} rays");
+}
+
+#[test]
+fn paths_of_separate_kernels_bring_what_those_of_one_bring() {
+    let paths = |method| Options::new(method).lighting(Lighting::Paths { bounces: 4, samples: 2 }).linear(true);
+    let lamp = |(mut scene, camera): (Scene, StereoCamera)| {
+        let lamp = scene.add_material(Material::new(Vec3::ZERO).emission(Vec3::new(3.0, 2.0, 1.0)));
+        scene.add_sphere(Sphere::new(Vec3::new(2.5, 2.0, 1.0), 0.4, lamp)).unwrap();
+        scene.sky = Sky::Map(SkyMap::procedural(64).unwrap());
+        (scene, camera)
+    };
+    let hall: crate::scene::builtin::Builtin = "hall-finished".parse().unwrap();
+    let (glass, hall) = (lamp(glass_in_glass()), (hall.scene(), hall.camera(64, 48)));
+    let cases = [
+        (&glass, Traversal::GPU, paths(Method::BRACKET)),
+        (&glass, Traversal::ALL[0], paths(Method::Naive).count(true).cost_map(true)),
+        (&hall, Traversal::ALL[0], paths(Method::BRACKET).samples(4)),
+        (&hall, Traversal::ALL[0], paths(Method::BRACKET).history(4)),
+    ];
+    for ((scene, camera), traversal, options) in cases {
+        let mut renderer = Renderer::with_traversal(renderer(USUAL).gpu, traversal);
+        renderer.band_pixels = 41 * 64;
+        let uploaded = renderer.upload(scene).wait().unwrap();
+        let camera = camera.size(41, 83);
+        let [apart, together] = [true, false].map(|apart| {
+            renderer.shades_apart = apart;
+            renderer.forget();
+            // The second frame recalls light of the first.
+            let frames = [0, 1].map(|_| {
+                let mut pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
+                (pair.statistics.times, pair.statistics.intermediate_bytes) = (None, 0);
+                pair
+            });
+            frames.map(|pair| (pair.statistics.clone(), pair))
+        });
+        for ((apart, of_apart), (together, of_together)) in apart.iter().zip(&together) {
+            let what = format!("{traversal:?}, {options:?}");
+            assert!(together.left.rays.secondary > 1000, "{what}: {:?}", together.left.rays);
+            assert_eq!(apart, together, "{what}");
+            assert!(!renderer.gpu.is_exact() || of_apart == of_together, "{what}");
+        }
+    }
 }
 
 const TRUSTING: Method = Method::Atomic(Check::None);

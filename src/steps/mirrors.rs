@@ -31,7 +31,8 @@ static ALL_BOUNCED: [Kernel; 3] = [TRACE_BOUNCED, LIGHT_BOUNCED, SEND_BOUNCED];
 /// How secondary rays are followed. A pixel's rays and their order are the same in both forms, and so is its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mirrors {
-    /// All rays of a pixel by one thread, whose rays wait in an array. This is faster on CPU adapters.
+    /// All rays of a pixel by one thread, whose rays wait in an array. This is faster on CPU adapters
+    /// (docs/TRAVERSAL.md).
     AtOnce,
     /// One ray of each pixel per round. Separate kernels trace, light and send rays, which wait in a buffer. A GPU
     /// would keep arrays of threads in scratch memory.

@@ -3,9 +3,11 @@
 
 use super::step;
 use crate::{
-    Lighting, Options, Penumbra,
+    Gpu, Lighting, Options, Penumbra,
     frame::{
+        fewest_rows,
         plan::{Launch, Step},
+        targets::proposed_bytes,
         uniforms::Part,
     },
     kernel::layout::TO_TRACE,
@@ -22,6 +24,13 @@ pub(crate) const RECALL_BROUGHT: Kernel = kernel!("paths", "recall_brought", Rol
 /// Keeps a view's light for the next frame.
 pub(crate) const KEEP_BROUGHT: Kernel = kernel!("paths", "keep_brought", Role::Paths);
 pub(crate) const TRACE_PATHS: Kernel = kernel!("paths", "trace_paths", Role::Paths);
+/// Begin paths whose vertices other kernels shade.
+pub(crate) const BEGIN_VERTICES: Kernel = kernel!("paths", "begin_vertices", Role::Paths);
+pub(crate) const BEGIN_LISTED_VERTICES: Kernel = kernel!("paths", "begin_listed_vertices", Role::Paths);
+pub(crate) const TRACE_PATH_RAYS: Kernel = kernel!("paths", "trace_path_rays", Role::Paths);
+pub(crate) const SCATTER_PATHS: Kernel = kernel!("paths", "scatter_paths", Role::Paths);
+/// Finds how much of the light arrives that [`SCATTER_PATHS`] proposed.
+pub(crate) const LIGHT_PATHS: Kernel = kernel!("paths", "light_paths", Role::Paths);
 pub(crate) const ADD_BROUGHT: Kernel = kernel!("paths", "add_brought", Role::Paths);
 
 /// Paths of a frame.
@@ -35,6 +44,9 @@ pub(crate) struct Paths {
     pub(crate) first_part: usize,
     /// Whether views that reuse visibility bits also reuse light.
     pub(crate) is_shared: bool,
+    /// Whether separate kernels trace rays, scatter light and trace rays to lights. Otherwise one kernel does all this,
+    /// which takes scratch memory on GPUs. The light is the same.
+    is_apart: bool,
 }
 
 impl Paths {
@@ -47,18 +59,26 @@ impl Paths {
                 rays: bounces + 1,
                 first_part,
                 is_shared: options.penumbra != Penumbra::Exact,
+                is_apart: false,
             }),
         }
     }
 
+    /// Sets whether kernels that trace are separate. They take a buffer that very wide pictures cannot bind.
+    pub(crate) fn apart(self, gpu: &Gpu, is_apart: bool, [width, height]: [u32; 2]) -> Self {
+        let bytes = proposed_bytes(u64::from(width) * u64::from(fewest_rows(height)));
+        Self { is_apart: is_apart && bytes <= gpu.binding_limit(), ..self }
+    }
+
     pub(crate) fn parts(self) -> impl Iterator<Item = Part> {
-        (1..=self.rays).map(|ray| Part::Paths { ray })
+        (0..=self.rays).map(|ray| Part::Paths { ray })
     }
 }
 
 /// Returns the steps that follow paths from a view's hits and add their light.
 pub(crate) fn of(view: usize, paths: Paths) -> Vec<Step> {
-    followed(view, paths, step(&BEGIN_PATHS, view, Launch::Pixels))
+    let begin = if paths.is_apart { &BEGIN_VERTICES } else { &BEGIN_PATHS };
+    followed(view, paths, step(begin, view, Launch::Pixels))
 }
 
 /// Returns the steps that reuse light of a view's source, follow paths for the rest, and add their light. The
@@ -74,7 +94,8 @@ pub(crate) fn recalled(view: usize, paths: Paths) -> Vec<Step> {
 
 /// Returns the steps that follow paths in the pixels that a kernel lists.
 fn listed(lists: &'static Kernel, view: usize, paths: Paths) -> Vec<Step> {
-    let begin = step(&BEGIN_LISTED_PATHS, view, Launch::Listed(Resource::Lists, TO_TRACE));
+    let begin = if paths.is_apart { &BEGIN_LISTED_VERTICES } else { &BEGIN_LISTED_PATHS };
+    let begin = step(begin, view, Launch::Listed(Resource::Lists, TO_TRACE));
     [vec![Step::EmptyLists, step(lists, view, Launch::Pixels)], followed(view, paths, begin)].concat()
 }
 
@@ -84,17 +105,24 @@ pub(crate) fn kept(view: usize) -> Step {
 }
 
 fn followed(view: usize, paths: Paths, begin: Step) -> Vec<Step> {
-    let trace = |ray: u32| Step::Run {
-        name: TRACE_PATHS.name,
-        kernel: &TRACE_PATHS,
+    let of_list = |kernel: &'static Kernel, list: u32, ray: u32| Step::Run {
+        name: kernel.name,
+        kernel,
         view,
-        launch: Launch::Listed(Resource::Paths, ray - 1),
-        part: paths.first_part + ray as usize - 1,
+        launch: Launch::Listed(Resource::Paths, list),
+        part: paths.first_part + ray as usize,
+    };
+    let apart = |ray: u32| {
+        let trace = (ray > 0).then_some(&TRACE_PATH_RAYS);
+        trace.into_iter().chain([&SCATTER_PATHS, &LIGHT_PATHS]).map(move |kernel| of_list(kernel, ray, ray))
     };
     let mut steps = Vec::new();
     for _ in 0..paths.each {
         steps.extend([Step::EmptyPaths, begin]);
-        steps.extend((1..=paths.rays).map(trace));
+        match paths.is_apart {
+            true => steps.extend((0..=paths.rays).flat_map(apart)),
+            false => steps.extend((1..=paths.rays).map(|ray| of_list(&TRACE_PATHS, ray - 1, ray))),
+        }
     }
     steps.push(step(&ADD_BROUGHT, view, Launch::Pixels));
     steps

@@ -10,7 +10,7 @@ use crate::{
     shadow_buffer::READ_TEXELS,
     steps::{
         mirrors::TRACE_BOUNCED,
-        paths::{ADD_BROUGHT, TRACE_PATHS},
+        paths::{ADD_BROUGHT, SCATTER_PATHS, TRACE_PATHS},
     },
     view::rig::{CameraModel, LensModel},
 };
@@ -139,7 +139,10 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     assert_eq!(heads_of(&listed, "Lists"), layout::LISTS_HEADS);
     let paths = &parse(&TRACE_PATHS, &Variant { paths: true, ..with });
     assert_eq!(heads_of(paths, "Paths"), layout::PATHS_HEADS);
-    assert_layout!(paths, Path { origin, travelled, direction, density, weight, is_diffuse, entries, _pad });
+    assert_layout!(paths, Path { origin, travelled, direction, density, weight, is_diffuse, entries, t, slot });
+    let proposed = &parse(&SCATTER_PATHS, &Variant { paths: true, ..with });
+    assert_layout!(proposed, LightRay { direction, far, scale, diffuse, glossy, _pad });
+    assert_layout!(proposed, Proposed { start, is_open, emitted, travelled, weight, is_diffuse, albedo, _pad, rays });
     assert_layout!(paths, Brought { diffuse, paths, glossy, marks, squares, newest });
     let bounced = &parse(&TRACE_BOUNCED, &Variant { mirrors: true, ..with });
     assert_eq!(heads_of(bounced, "Bounced"), layout::BOUNCED_HEADS);

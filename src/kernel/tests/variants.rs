@@ -30,7 +30,8 @@ use crate::{
             BEGIN_BOUNCED, FINISH_BOUNCED, LIGHT_BOUNCED, LIST_MIRRORS, SEND_BOUNCED, TRACE_BOUNCED, TRACE_MIRRORED,
         },
         paths::{
-            ADD_BROUGHT, BEGIN_LISTED_PATHS, BEGIN_PATHS, KEEP_BROUGHT, RECALL_BROUGHT, SHARE_BROUGHT, TRACE_PATHS,
+            ADD_BROUGHT, BEGIN_LISTED_PATHS, BEGIN_LISTED_VERTICES, BEGIN_PATHS, BEGIN_VERTICES, KEEP_BROUGHT,
+            LIGHT_PATHS, RECALL_BROUGHT, SCATTER_PATHS, SHARE_BROUGHT, TRACE_PATH_RAYS, TRACE_PATHS,
         },
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
@@ -41,7 +42,7 @@ use crate::{
     view::rig::{CameraModel, LensModel},
 };
 
-pub(super) const ALL: [&Kernel; 75] = [
+pub(super) const ALL: [&Kernel; 80] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &BEGIN_BOUNCED,
@@ -55,6 +56,11 @@ pub(super) const ALL: [&Kernel; 75] = [
     &RECALL_BROUGHT,
     &KEEP_BROUGHT,
     &TRACE_PATHS,
+    &BEGIN_VERTICES,
+    &BEGIN_LISTED_VERTICES,
+    &TRACE_PATH_RAYS,
+    &SCATTER_PATHS,
+    &LIGHT_PATHS,
     &ADD_BROUGHT,
     &SMOOTH_VARIANCES,
     &SMOOTH_LIGHT_ONCE,
@@ -121,7 +127,7 @@ pub(super) const ALL: [&Kernel; 75] = [
 ];
 
 /// Kernels of frames that `naive` renders, and kernels without cameras. Pictures of lenses need no others.
-const WITH_LENSES: [&str; 23] = [
+const WITH_LENSES: [&str; 27] = [
     "trace_left",
     "trace_in_steps",
     "trace_hits",
@@ -136,6 +142,10 @@ const WITH_LENSES: [&str; 23] = [
     "finish_bounced",
     "begin_paths",
     "trace_paths",
+    "begin_vertices",
+    "trace_path_rays",
+    "scatter_paths",
+    "light_paths",
     "add_brought",
     "smooth_variances",
     "smooth_light_once",
