@@ -18,20 +18,29 @@ const FILE: &str = "stereotrace/calibrations.json";
 /// `measure`, it is measured first and kept.
 pub(crate) fn renderer(gpu: Gpu, measure: bool) -> Result<Renderer, Error> {
     let mut renderer = Renderer::new(gpu);
-    let file = etcetera::choose_base_strategy().map(|folders| folders.cache_dir().join(FILE)).ok();
     if measure {
         let found = renderer.calibrate().wait()?;
         log::info!("calibration: search {}, shadow {}", found.search, found.shadow);
-        if let Some(file) = &file
-            && let Err(error) = keep(file, &key(renderer.gpu()), found)
-        {
-            log::warn!("the calibration is not kept: {error}");
-        }
-    } else if let Some(found) = file.and_then(|file| kept(&file, &key(renderer.gpu()))) {
+        keep_for(renderer.gpu(), found);
+    } else if let Some(found) = file().and_then(|file| kept(&file, &key(renderer.gpu()))) {
         log::info!("calibration: search {}, shadow {}, as kept", found.search, found.shadow);
         renderer.set_calibration(found);
     }
     Ok(renderer)
+}
+
+/// Keeps a calibration of an adapter for later runs.
+pub(crate) fn keep_for(gpu: &Gpu, found: Calibration) {
+    if let Some(file) = file()
+        && let Err(error) = keep(&file, &key(gpu), found)
+    {
+        log::warn!("the calibration is not kept: {error}");
+    }
+}
+
+/// Returns the path of the file that keeps calibrations, if the user has a cache folder.
+fn file() -> Option<PathBuf> {
+    etcetera::choose_base_strategy().map(|folders| folders.cache_dir().join(FILE)).ok()
 }
 
 /// Returns the name of an adapter and its driver, whose new version has other costs.

@@ -651,7 +651,8 @@ impl Renderer {
     }
 
     #[setter]
-    fn set_calibration(&self, py: Python<'_>, (search, shadow): (f32, f32)) -> PyResult<()> {
+    fn set_calibration(&self, py: Python<'_>, costs: (f32, f32)) -> PyResult<()> {
+        let (search, shadow) = costs;
         if !(search.is_finite() && shadow.is_finite() && shadow > 0.0) {
             return Err(refused("calibration: both costs must be finite, and the second above 0"));
         }

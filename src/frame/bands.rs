@@ -17,7 +17,7 @@ const VIEWS_PIXELS: u32 = 1 << 22;
 
 /// Returns the number of rows that buffers of the smallest bands of a picture have, at most.
 pub(crate) fn fewest_rows(height: u32) -> u32 {
-    height.min(WHOLE + 2 * HALO)
+    if height <= WHOLE { height } else { WHOLE + 2 * HALO }
 }
 
 /// Returns the approximate number of pixels of a band, for up to five lights. More lights reduce it. On a software

@@ -106,8 +106,8 @@ pub(crate) enum Step {
         /// View for which the kernel runs.
         view: usize,
         launch: Launch,
-        /// Index of the view's uniform that the kernel reads. Soft light has one uniform per part; all other steps use
-        /// the first.
+        /// Index of the view's uniform that the kernel reads. Soft light, paths and rounds of mirrors have one uniform
+        /// per part; all other steps use the first.
         part: usize,
     },
     /// Copies a view from its source.

@@ -117,7 +117,8 @@ impl Shape {
         }
     }
 
-    /// Returns whether a kernel can bind the largest buffer, and no buffer is far larger than the others.
+    /// Returns whether a kernel can bind the largest buffer, and buffers of secondary rays or paths are not far larger
+    /// than others.
     pub(crate) fn can_be_bound(&self, gpu: &Gpu, used: &Used) -> bool {
         used.buffers().all(|(resource, _)| {
             let is_state = matches!(resource, Resource::Bounced | Resource::Proposed);
@@ -204,6 +205,11 @@ impl Used {
 
 /// Size of a buffer with the state of secondary rays or paths above which bands have fewer rows.
 const STATE_BYTES: u64 = 256 << 20;
+
+/// Returns the size of such a buffer above which the smallest bands do without it. They may have twice the usual size.
+pub(crate) fn state_limit(gpu: &Gpu) -> u64 {
+    gpu.binding_limit().min(2 * STATE_BYTES)
+}
 
 /// Returns the size of the buffer of secondary rays for a band of this number of pixels, in bytes.
 pub(crate) fn bounced_bytes(pixels: u64) -> u64 {

@@ -187,6 +187,11 @@ impl Gpu {
         &self.queue
     }
 
+    /// Returns the same device, for renderers that share no pipelines with others.
+    pub(crate) fn without_pipelines(&self) -> Self {
+        Self { pipelines: Arc::default(), ..self.clone() }
+    }
+
     /// Returns the work that this `Gpu` and its clones have given to the device so far.
     pub fn work(&self) -> GpuWork {
         self.counted.so_far()

@@ -129,7 +129,9 @@ impl Trial {
         let shadow = f64::from(model.shadow);
         let saved = if bracket < naive { self.saved(model) } else { f64::from(rays) };
         let search = 1.0 + (bracket - naive) / self.primary + shadow * saved;
-        Calibration { search: search as f32, shadow: model.shadow }
+        // A clock may be too coarse for any time.
+        let search = if search.is_finite() { search as f32 } else { model.search };
+        Calibration { search, shadow: model.shadow }
     }
 }
 

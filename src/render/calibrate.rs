@@ -73,16 +73,18 @@ impl Renderer {
                 self.update(&mut uploaded, &scene, Update::Refit).await?;
                 let both = self.fastest_rows(&uploaded, &camera, [Method::Naive, Method::BRACKET], rows).await?;
                 let primary = 0.5 * dark[0].time.as_secs_f64();
-                trials.push(Trial::of(both, [SIZE[0], rows], primary));
+                if both.iter().chain(&dark).all(Measured::is_known) {
+                    trials.push(Trial::of(both, [SIZE[0], rows], primary));
+                }
             }
         }
         self.calibration = self.calibration.fitted(&self.gpu, &trials);
         Ok(self.calibration)
     }
 
-    /// Renders a pair of this scene by `naive` and by `bracket`, five times each. Sets what [`Method::Auto`] chooses by so
-    /// that it takes the faster one for such frames, and returns it. This pays if many frames follow. Other scenes need
-    /// their own ([`Renderer::set_calibration`]).
+    /// Renders a pair of this scene by `naive` and by `bracket`, five times each. Sets what [`Method::Auto`] chooses by
+    /// so that it takes the faster one for such frames, and returns it. This pays if many frames follow. Other scenes
+    /// need their own ([`Renderer::set_calibration`]).
     ///
     /// # Errors
     /// The errors of [`FrameBuilder::trace`](crate::FrameBuilder::trace).
@@ -94,8 +96,10 @@ impl Renderer {
     ) -> Result<Calibration, Error> {
         let model = scene.cost_model(&self.gpu, self.calibration, options);
         let pose = camera.pose_in(scene.origin)?;
-        if self.apart(&pose, options).is_none() {
-            let eyes = Eyes::pair(&pose);
+        let eyes = Eyes::pair(&pose);
+        // Other frames have one method, whatever they cost.
+        let chooses = self.effective(&options.clone().method(Method::Auto), &eyes, scene) == Method::Auto;
+        if chooses && self.apart(&pose, options).is_none() {
             let mut both = [Measured::NONE; 2];
             for _ in 0..ROUNDS {
                 for (method, best) in [Method::Naive, Method::BRACKET].into_iter().zip(&mut both) {
@@ -109,7 +113,9 @@ impl Renderer {
             let size = pose.size.map(|side| side * options.samples.isqrt());
             let primary = 0.5 * both[0].time.as_secs_f64() / f64::from(model.choose(size, both[0].seen).naive);
             let trial = Trial::of(both, size, primary);
-            self.calibration = trial.settled(model, scene.rays_per_point(options));
+            if both.iter().all(Measured::is_known) {
+                self.calibration = trial.settled(model, scene.rays_per_point(options));
+            }
         }
         Ok(self.calibration)
     }
@@ -142,10 +148,15 @@ impl Renderer {
 impl Measured {
     const NONE: Self = Self { time: Duration::MAX, seen: Seen::NOTHING };
 
-    /// Replaces this frame by a faster one.
+    /// Returns whether some frame was measured.
+    fn is_known(&self) -> bool {
+        self.time < Duration::MAX
+    }
+
+    /// Replaces this frame by a faster one. The time of a frame that was rendered again in steps means nothing.
     fn take(&mut self, done: &Done, wall: Duration) {
         let time = done.times.as_ref().map_or(wall, PassTimes::total);
-        if time < self.time {
+        if time < self.time && !done.in_steps {
             *self = Self { time, seen: done.tallies[1].seen(&done.tallies[0]) };
         }
     }

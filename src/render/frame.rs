@@ -28,6 +28,9 @@ use crate::{
     view::rig::{CameraModel, Eyes},
 };
 
+/// Maximum number of bands in flight. A frame that is stopped ends after these.
+const MOST_IN_FLIGHT: u64 = 8;
+
 /// Result of a frame: how its views were made, and their cost.
 #[derive(Clone, Debug)]
 pub(crate) struct Done {
@@ -142,7 +145,7 @@ impl Renderer {
         // The staging buffers leave the cache while the frame is in progress. If a cancelled frame leaves a buffer
         // mapped, that buffer is not reused.
         let mut stagings = self.cache.staging_of(bytes);
-        let most = (self.read_back_bytes / bytes).max(2);
+        let most = (self.read_back_bytes / bytes).clamp(2, MOST_IN_FLIGHT);
         let in_flight = u64::from(targets.shape.bands.count()).min(most) as usize;
         let make = || Ok((stagings.len()..in_flight).map(|_| Staging::new(&self.gpu, bytes)).collect::<Vec<_>>());
         stagings.extend(self.gpu.checked(make).await?);
@@ -367,7 +370,7 @@ impl Renderer {
     /// Returns the method that makes the views. With interaxial 0 all views are equal, unless each has its own noise.
     /// In a scene without a BVH, `bracket` has nothing to search. `Auto` falls back to `Naive` if the picture is wider
     /// than the texture of `bracket`'s samples allows.
-    fn effective(&self, options: &Options, eyes: &Eyes, scene: &UploadedScene) -> Method {
+    pub(super) fn effective(&self, options: &Options, eyes: &Eyes, scene: &UploadedScene) -> Method {
         let width = eyes.pose.size[0];
         match options.method {
             Method::Naive => Method::Naive,

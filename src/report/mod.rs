@@ -24,7 +24,8 @@ pub struct ReportPlan {
     pub methods: Vec<Method>,
     /// Number of timed frames per method. Methods take turns.
     pub rounds: usize,
-    /// Time that the report may take. A size of a scene that is expected to exceed it is left out.
+    /// Time that the report may take, about. A size of a scene that is expected to exceed it is left out. The first
+    /// picture and the calibration are measured in any case.
     pub most: Duration,
 }
 
@@ -121,15 +122,15 @@ pub struct ReportMethod {
 }
 
 impl Report {
-    /// Measures an adapter. Memory and kernels of other renderers are not shared, so that the first picture is a true
-    /// one. `progress` gets the name of the scene that comes next and the share that is done, and may stop the report.
+    /// Measures an adapter. Memory and kernels of other renderers are not shared. But drivers may keep what they
+    /// compiled, so the first picture of a machine takes longer. `progress` gets the name of the scene that comes next and the share that is done, and may stop the report.
     ///
     /// # Errors
     /// [`Error::Cancelled`] if `progress` breaks, and the errors of [`Renderer::upload`] and
     /// [`FrameBuilder::read`](crate::FrameBuilder::read).
     pub async fn measure(gpu: &Gpu, plan: &ReportPlan, progress: &mut OnProgress<'_>) -> Result<Self, Error> {
         let begin = Instant::now();
-        let mut renderer = Renderer::new(gpu.clone());
+        let mut renderer = Renderer::new(gpu.without_pipelines());
         let methods = methods_of(plan);
         let limits = gpu.device().limits();
         let mut report = Self {
@@ -151,7 +152,11 @@ impl Report {
             took: Duration::ZERO,
         };
         if let (Some(&scene), Some(&size)) = (plan.scenes.first(), plan.sizes.first()) {
+            tell(progress, scene, 0.0)?;
             report.first_picture = Test { scene, size, methods: &methods, rounds: 1 }.first(&mut renderer).await?;
+        }
+        if let Some(&scene) = plan.scenes.first() {
+            tell(progress, scene, 0.0)?;
         }
         report.calibration = renderer.calibrate().await?;
         let all = plan.sizes.len() * plan.scenes.len();
@@ -159,10 +164,7 @@ impl Report {
         for (index, size) in plan.sizes.iter().enumerate() {
             for (place, &scene) in plan.scenes.iter().enumerate() {
                 let done = (index * plan.scenes.len() + place) as f32 / all as f32;
-                let mut tell = || match progress(Progress { pass: scene.name(), done }) {
-                    ControlFlow::Continue(()) => Ok(()),
-                    ControlFlow::Break(()) => Err(Error::Cancelled),
-                };
+                let mut tell = || tell(progress, scene, done);
                 tell()?;
                 let test = Test { scene, size: *size, methods: &methods, rounds: plan.rounds.max(1) };
                 let pixels = f64::from(size[0]) * f64::from(size[1]);
@@ -197,6 +199,17 @@ impl Report {
             Vec::from_iter(wrong.map(fault))
         };
         self.entries.iter().flat_map(of_entry).collect()
+    }
+}
+
+/// Reports progress before a scene.
+///
+/// # Errors
+/// [`Error::Cancelled`] if the caller stops the report.
+fn tell(progress: &mut OnProgress<'_>, scene: Builtin, done: f32) -> Result<(), Error> {
+    match progress(Progress { pass: scene.name(), done }) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(Error::Cancelled),
     }
 }
 

@@ -9,7 +9,7 @@ const STYLE: &str = "\
 :root { color-scheme: light dark; }
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 68rem; margin: 2rem auto; padding: 0 1rem; }
 table { border-collapse: collapse; margin: .5rem 0 1.5rem; font-variant-numeric: tabular-nums; }
-th, td { white-space: nowrap; padding: .15rem .7rem; text-align: right; border-bottom: 1px solid color-mix(in srgb, currentColor 20%, transparent); }
+th, td { white-space: nowrap; padding: .15rem .7rem; text-align: right; border-bottom: 1px solid #8885; }
 th:first-child, td:first-child { text-align: left; }
 div { overflow-x: auto; }
 .bar { display: inline-block; height: .7em; background: #4a7fc1; vertical-align: baseline; }
@@ -47,12 +47,12 @@ impl Report {
         )?;
         writeln!(
             page,
-            "<p>auto chooses by measured costs, in primary rays: {:.2} per pixel for the search of bracket, {:.2} for a \
-             shadow ray that it saves.</p>",
+            "<p>auto chooses by measured costs, in primary rays: {:.2} per pixel for the search of bracket, {:.2} for \
+             a shadow ray that it saves.</p>",
             self.calibration.search, self.calibration.shadow
         )?;
         let faults = self.faults();
-        if faults.is_empty() {
+        if faults.is_empty() && !self.entries.is_empty() {
             writeln!(page, "<p>Every method that promises the surfaces of naive shows them.</p>")?;
         }
         for fault in faults {
@@ -72,7 +72,7 @@ impl Report {
         writeln!(
             page,
             "<script type=\"application/json\" id=\"report\">\n{}</script>",
-            self.to_json().replace("</", "<\\/")
+            self.to_json().replace('<', "\\u003c")
         )?;
         writeln!(page, "</html>")
     }

@@ -8,7 +8,7 @@ use crate::{
     frame::{
         fewest_rows,
         plan::{Launch, Step},
-        targets::bounced_bytes,
+        targets::{bounced_bytes, state_limit},
         uniforms::Part,
     },
     kernel::layout::{BOUNCED_ROUNDS, TO_TRACE},
@@ -52,7 +52,7 @@ impl Mirrors {
     /// rounds. They take a buffer that very wide pictures cannot bind.
     pub(crate) fn of(gpu: &Gpu, in_rounds: bool, [width, height]: [u32; 2], bounces: u32, first_part: usize) -> Self {
         let pixels = u64::from(width) * u64::from(fewest_rows(height));
-        match in_rounds && bounced_bytes(pixels) <= gpu.binding_limit() {
+        match in_rounds && bounced_bytes(pixels) <= state_limit(gpu) {
             // A mirror sends on one ray, and so does the inside of a ball of glass besides the one that leaves.
             true => Self::InRounds(Rounds { count: (2 * bounces).min(BOUNCED_ROUNDS), first_part }),
             false => Self::AtOnce,

@@ -7,7 +7,7 @@ use crate::{
     frame::{
         fewest_rows,
         plan::{Launch, Step},
-        targets::proposed_bytes,
+        targets::{proposed_bytes, state_limit},
         uniforms::Part,
     },
     kernel::layout::TO_TRACE,
@@ -67,7 +67,7 @@ impl Paths {
     /// Sets whether kernels that trace are separate. They take a buffer that very wide pictures cannot bind.
     pub(crate) fn apart(self, gpu: &Gpu, is_apart: bool, [width, height]: [u32; 2]) -> Self {
         let bytes = proposed_bytes(u64::from(width) * u64::from(fewest_rows(height)));
-        Self { is_apart: is_apart && bytes <= gpu.binding_limit(), ..self }
+        Self { is_apart: is_apart && bytes <= state_limit(gpu), ..self }
     }
 
     pub(crate) fn parts(self) -> impl Iterator<Item = Part> {
@@ -114,7 +114,9 @@ fn followed(view: usize, paths: Paths, begin: Step) -> Vec<Step> {
     };
     let apart = |ray: u32| {
         let trace = (ray > 0).then_some(&TRACE_PATH_RAYS);
-        trace.into_iter().chain([&SCATTER_PATHS, &LIGHT_PATHS]).map(move |kernel| of_list(kernel, ray, ray))
+        // Where the last rays of paths end, only emitted light counts.
+        let light = (ray < paths.rays).then_some(&LIGHT_PATHS);
+        trace.into_iter().chain([&SCATTER_PATHS]).chain(light).map(move |kernel| of_list(kernel, ray, ray))
     };
     let mut steps = Vec::new();
     for _ in 0..paths.each {

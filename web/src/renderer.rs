@@ -153,8 +153,8 @@ impl Renderer {
         Ok(Views(self.with_scene(&scene.shared, frame).await?))
     }
 
-    /// Measures the device with built-in scenes and all methods. Larger sizes are left out if the report would take more
-    /// than so many seconds, 60 by default. Returns it as an HTML page, which contains the figures as JSON in the
+    /// Measures the device with built-in scenes and all methods. Larger sizes are left out if the report would take
+    /// more than so many seconds, 60 by default. Returns it as an HTML page, which contains the figures as JSON in the
     /// element `report`. Of the options, `signal` and `onProgress` apply. Rejects as `render` does.
     pub async fn report(
         &self,

@@ -80,7 +80,7 @@ pub(crate) struct Global {
     adapter: Option<String>,
     /// First measure the adapter for the method auto, and keep the result in the user's cache folder for later runs
     #[arg(long, global = true)]
-    calibrate: bool,
+    pub(crate) calibrate: bool,
 }
 
 impl Global {

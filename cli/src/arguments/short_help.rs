@@ -71,7 +71,7 @@ const EXAMPLES: [(&str, &[&str]); 8] = [
             "stereotrace compare sponza.obj --methods bracket,atomic",
         ],
     ),
-    ("bench", &["stereotrace bench    out/bench.json and out/bench.html, in a minute at most"]),
+    ("bench", &["stereotrace bench    out/bench.json and out/bench.html, in about a minute"]),
     ("info", &["stereotrace info bunny.obj    the file's content, and this machine's adapters"]),
 ];
 

@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use stereotrace::{Report, ReportEntry, ReportPlan, blocking::Wait, message::escaped, output::Batch};
 
-use crate::{arguments::Global, progress::Progress, shown, summary::Summary};
+use crate::{arguments::Global, calibration, progress::Progress, shown, summary::Summary};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
@@ -27,6 +27,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut progress = Progress::new(global, 1);
     let report = Report::measure(&gpu, &plan, &mut |done| progress.show(done)).wait()?;
     progress.clear();
+    if global.calibrate {
+        calibration::keep_for(&gpu, report.calibration);
+    }
 
     let mut files = Batch::new();
     files.add(folder.join("bench.json"), report.to_json().as_bytes())?;

@@ -42,7 +42,7 @@ use crate::{
     view::rig::{CameraModel, LensModel},
 };
 
-pub(super) const ALL: [&Kernel; 80] = [
+pub(super) const ALL: [&Kernel; 81] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &BEGIN_BOUNCED,
