@@ -123,7 +123,8 @@ pub struct ReportMethod {
 
 impl Report {
     /// Measures an adapter. Memory and kernels of other renderers are not shared. But drivers may keep what they
-    /// compiled, so the first picture of a machine takes longer. `progress` gets the name of the scene that comes next and the share that is done, and may stop the report.
+    /// compiled, so the first picture of a machine takes longer. `progress` gets the name of the scene that comes next
+    /// and the share that is done, and may stop the report.
     ///
     /// # Errors
     /// [`Error::Cancelled`] if `progress` breaks, and the errors of [`Renderer::upload`] and
