@@ -23,10 +23,10 @@ const LIGHTS: [usize; 2] = [1, 5];
 const SIZE: [u32; 2] = [640, 480];
 
 /// Smallest number of rows that are measured, in the middle of the picture.
-const ROWS: u32 = 32;
+const ROWS: u32 = 64;
 
 /// Shortest time of a frame whose measurement means something. A faster adapter measures more rows.
-const SHORTEST: Duration = Duration::from_millis(2);
+const SHORTEST: Duration = Duration::from_millis(10);
 
 /// Number of frames of which the fastest counts. The first one compiles kernels.
 const ROUNDS: u32 = 5;
