@@ -51,8 +51,8 @@ impl Renderer {
     }
 
     /// Measures the adapter with small pictures of built-in scenes. Sets what [`Method::Auto`] chooses by, and returns
-    /// it. The choice of one and the same frame may differ afterwards. This takes some seconds on software adapters. The
-    /// first call of a process also compiles kernels.
+    /// it. The choice of one and the same frame may differ afterwards. This takes some seconds on software adapters.
+    /// The first call of a process also compiles kernels.
     ///
     /// # Errors
     /// The errors of [`Renderer::upload`] and [`FrameBuilder::trace`](crate::FrameBuilder::trace).
