@@ -63,15 +63,19 @@ impl Renderer {
             let (mut scene, camera) = (builtin.scene(), builtin.camera(SIZE[0], SIZE[1]));
             scene.lights.clear();
             let mut uploaded = self.upload(&scene).await?;
-            let mut dark = self.fastest_rows(&uploaded, &camera, [Method::Naive], rows).await?;
+            let eyes = Eyes::pair(&camera.pose_in(scene.origin())?);
+            let (options, middle) =
+                (Options::default(), |rows: u32| Some(((SIZE[1] - rows) / 2, (SIZE[1] + rows) / 2)));
+            let mut dark = self.fastest(&uploaded, &eyes, &options, [Method::Naive], middle(rows)).await?;
             while dark[0].time < SHORTEST && rows < SIZE[1] {
                 rows = (2 * rows).min(SIZE[1]);
-                dark = self.fastest_rows(&uploaded, &camera, [Method::Naive], rows).await?;
+                dark = self.fastest(&uploaded, &eyes, &options, [Method::Naive], middle(rows)).await?;
             }
             for lights in LIGHTS {
                 scene.place_lights(lights, &camera)?;
                 self.update(&mut uploaded, &scene, Update::Refit).await?;
-                let both = self.fastest_rows(&uploaded, &camera, [Method::Naive, Method::BRACKET], rows).await?;
+                let both = [Method::Naive, Method::BRACKET];
+                let both = self.fastest(&uploaded, &eyes, &options, both, middle(rows)).await?;
                 let primary = 0.5 * dark[0].time.as_secs_f64();
                 if both.iter().chain(&dark).all(Measured::is_known) {
                     trials.push(Trial::of(both, [SIZE[0], rows], primary));
@@ -100,16 +104,7 @@ impl Renderer {
         // Other frames have one method, whatever they cost.
         let chooses = self.effective(&options.clone().method(Method::Auto), &eyes, scene) == Method::Auto;
         if chooses && self.apart(&pose, options).is_none() {
-            let mut both = [Measured::NONE; 2];
-            for _ in 0..ROUNDS {
-                for (method, best) in [Method::Naive, Method::BRACKET].into_iter().zip(&mut both) {
-                    let options = Options { method, history: None, ..options.clone() };
-                    let (mut go_on, mut drop_rows) = (|_| ControlFlow::Continue(()), |_| Ok(()));
-                    let begin = Instant::now();
-                    let done = self.sampled(scene, &eyes, &options, false, &mut go_on, &mut drop_rows).await?;
-                    best.take(&done, begin.elapsed());
-                }
-            }
+            let both = self.fastest(scene, &eyes, options, [Method::Naive, Method::BRACKET], None).await?;
             let size = pose.size.map(|side| side * options.samples.isqrt());
             let primary = 0.5 * both[0].time.as_secs_f64() / f64::from(model.choose(size, both[0].seen).naive);
             let trial = Trial::of(both, size, primary);
@@ -120,24 +115,28 @@ impl Renderer {
         Ok(self.calibration)
     }
 
-    /// Renders some rows of a pair by each method in turn, and returns the fastest frames.
-    async fn fastest_rows<const METHODS: usize>(
+    /// Renders a pair, or some rows of it, by each method in turn, and returns the fastest frames.
+    async fn fastest<const METHODS: usize>(
         &mut self,
         scene: &UploadedScene,
-        camera: &StereoCamera,
+        eyes: &Eyes,
+        options: &Options,
         methods: [Method; METHODS],
-        rows: u32,
+        rows: Option<(u32, u32)>,
     ) -> Result<[Measured; METHODS], Error> {
-        let eyes = Eyes::pair(&camera.pose_in(scene.origin)?);
-        let first = (SIZE[1] - rows) / 2;
-        let wanted = Wanted { pictures: false, part: Some(Part { rows: (first, first + rows), masks: None }) };
         let mut fastest = [Measured::NONE; METHODS];
         for _ in 0..ROUNDS {
             for (method, best) in methods.into_iter().zip(&mut fastest) {
+                let options = Options { method, history: None, ..options.clone() };
                 let (mut go_on, mut drop_rows) = (|_| ControlFlow::Continue(()), |_| Ok(()));
                 let begin = Instant::now();
-                let options = Options::new(method);
-                let done = self.frame(scene, &eyes, &options, wanted, &mut go_on, &mut drop_rows).await?;
+                let done = match rows {
+                    Some(rows) => {
+                        let wanted = Wanted { pictures: false, part: Some(Part { rows, masks: None }) };
+                        self.frame(scene, eyes, &options, wanted, &mut go_on, &mut drop_rows).await?
+                    }
+                    None => self.sampled(scene, eyes, &options, false, &mut go_on, &mut drop_rows).await?,
+                };
                 best.take(&done, begin.elapsed());
             }
         }

@@ -6,13 +6,45 @@ use web_time::Instant;
 
 use super::{ReportEntry, ReportMethod};
 use crate::{
-    Builtin, Error, GpuWork, Method, Options, Renderer, Statistics, StereoCamera, StereoPair, UploadedScene, metrics,
+    Builtin, Error, GpuWork, Method, Options, Renderer, Scene, Statistics, StereoCamera, StereoPair, UploadedScene,
+    metrics,
 };
+
+/// A built-in scene on the device.
+pub(super) struct Staged {
+    builtin: Builtin,
+    primitives: usize,
+    uploaded: UploadedScene,
+}
+
+impl Staged {
+    pub(super) async fn new(renderer: &Renderer, builtin: Builtin) -> Result<Self, Error> {
+        Self::of(renderer, builtin, &builtin.scene()).await
+    }
+
+    async fn of(renderer: &Renderer, builtin: Builtin, scene: &Scene) -> Result<Self, Error> {
+        Ok(Self { builtin, primitives: scene.primitive_count(), uploaded: renderer.upload(scene).await? })
+    }
+
+    /// Uploads the first scene and renders its first pair. Returns the time that both take.
+    pub(super) async fn first(
+        renderer: &mut Renderer,
+        builtin: Builtin,
+        [width, height]: [u32; 2],
+    ) -> Result<(Self, Duration), Error> {
+        let scene = builtin.scene();
+        let begin = Instant::now();
+        let staged = Self::of(renderer, builtin, &scene).await?;
+        read(renderer, &staged.uploaded, &builtin.camera(width, height), Method::Auto).await?;
+        Ok((staged, begin.elapsed()))
+    }
+}
 
 /// A scene at one size, and how it is measured.
 pub(super) struct Test<'a> {
-    pub(super) scene: Builtin,
+    pub(super) scene: &'a Staged,
     pub(super) size: [u32; 2],
+    /// `naive` is the first and `ideal` the second.
     pub(super) methods: &'a [Method],
     pub(super) rounds: usize,
 }
@@ -22,25 +54,16 @@ const PROBE: u32 = 4;
 
 impl Test<'_> {
     fn camera(&self) -> StereoCamera {
-        self.scene.camera(self.size[0], self.size[1])
-    }
-
-    /// Returns the time from the upload to the first pair.
-    pub(super) async fn first(&self, renderer: &mut Renderer) -> Result<Duration, Error> {
-        let scene = self.scene.scene();
-        let begin = Instant::now();
-        let uploaded = renderer.upload(&scene).await?;
-        read(renderer, &uploaded, &self.camera(), Method::Auto).await?;
-        Ok(begin.elapsed())
+        self.scene.builtin.camera(self.size[0], self.size[1])
     }
 
     /// Returns an estimate of the time that all frames take, from a small picture by `naive`.
     pub(super) async fn expected(&self, renderer: &mut Renderer) -> Result<Duration, Error> {
-        let uploaded = renderer.upload(&self.scene.scene()).await?;
+        let uploaded = &self.scene.uploaded;
         let camera = self.camera().size(self.size[0] / PROBE, self.size[1] / PROBE);
-        trace(renderer, &uploaded, &camera, Method::Naive).await?; // compiles its kernels
+        trace(renderer, uploaded, &camera, Method::Naive).await?; // compiles its kernels
         let begin = Instant::now();
-        trace(renderer, &uploaded, &camera, Method::Naive).await?;
+        trace(renderer, uploaded, &camera, Method::Naive).await?;
         let frames = self.methods.len() * (self.rounds + 1);
         Ok(begin.elapsed() * PROBE * PROBE * frames as u32)
     }
@@ -55,14 +78,14 @@ impl Test<'_> {
         renderer: &mut Renderer,
         tell: &mut impl FnMut() -> Result<(), Error>,
     ) -> Result<(ReportEntry, Duration), Error> {
-        let Self { size, methods, rounds, .. } = *self;
-        let (scene, camera) = (self.scene.scene(), self.camera());
-        let uploaded = renderer.upload(&scene).await?;
-        let naive = read(renderer, &uploaded, &camera, Method::Naive).await?;
-        let mut compared = Vec::new();
-        for &method in methods {
+        let Self { scene: Staged { builtin, primitives, uploaded }, size, methods, rounds } = *self;
+        let camera = self.camera();
+        let naive = read(renderer, uploaded, &camera, Method::Naive).await?;
+        let difference = metrics::compare(&naive.right, &naive.right, &naive.pose)?;
+        let mut compared = vec![(naive.statistics.clone(), difference)];
+        for &method in &methods[1..] {
             tell()?;
-            let pair = read(renderer, &uploaded, &camera, method).await?;
+            let pair = read(renderer, uploaded, &camera, method).await?;
             let difference = metrics::compare(&pair.right, &naive.right, &pair.pose)?;
             compared.push((pair.statistics, difference));
         }
@@ -75,7 +98,7 @@ impl Test<'_> {
                 tell()?;
                 let index = (round + turn) % methods.len();
                 let (begin, before) = (Instant::now(), renderer.gpu().work());
-                let statistics = trace(renderer, &uploaded, &camera, methods[index]).await?;
+                let statistics = trace(renderer, uploaded, &camera, methods[index]).await?;
                 let wall = begin.elapsed();
                 works[index] = renderer.gpu().work() - before;
                 times[index].push((statistics.times.map_or(wall, |times| times.total()), wall));
@@ -112,13 +135,13 @@ impl Test<'_> {
         let ids = hash_of(naive.left.primitive.iter().chain(&naive.right.primitive));
         let info = uploaded.info();
         let entry = ReportEntry {
-            scene: self.scene,
+            scene: *builtin,
             size,
-            primitives: scene.primitive_count(),
+            primitives: *primitives,
             scene_bytes: info.node_bytes + info.primitive_bytes,
             build: info.build,
             ids,
-            has_known_ids: known_ids(self.scene, size).map(|known| known == ids),
+            has_known_ids: known_ids(*builtin, size).map(|known| known == ids),
             methods: rows,
         };
         Ok((entry, frames))

@@ -9,10 +9,10 @@ use std::{ops::ControlFlow, time::Duration};
 
 use web_time::Instant;
 
-use self::measure::Test;
+use self::measure::{Staged, Test};
 use crate::{Builtin, Calibration, Error, Gpu, GpuWork, Method, OnProgress, Progress, Rays, Renderer};
 
-/// What a report measures.
+/// Scenes, sizes and methods of a report, and the time that it may take.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ReportPlan {
@@ -117,7 +117,7 @@ pub struct ReportMethod {
     pub intermediate_bytes: u64,
     /// The method that `auto` chose for most rows.
     pub chosen: Option<Method>,
-    /// What the device was given for one pair.
+    /// Submissions, waits and dispatches of one pair.
     pub work: GpuWork,
 }
 
@@ -152,11 +152,11 @@ impl Report {
             left_out: Vec::new(),
             took: Duration::ZERO,
         };
+        let mut staged: Vec<Option<Staged>> = plan.scenes.iter().map(|_| None).collect();
         if let (Some(&scene), Some(&size)) = (plan.scenes.first(), plan.sizes.first()) {
             tell(progress, scene, 0.0)?;
-            report.first_picture = Test { scene, size, methods: &methods, rounds: 1 }.first(&mut renderer).await?;
-        }
-        if let Some(&scene) = plan.scenes.first() {
+            let (first, time) = Staged::first(&mut renderer, scene, size).await?;
+            (staged[0], report.first_picture) = (Some(first), time);
             tell(progress, scene, 0.0)?;
         }
         report.calibration = renderer.calibrate().await?;
@@ -167,11 +167,18 @@ impl Report {
                 let done = (index * plan.scenes.len() + place) as f32 / all as f32;
                 let mut tell = || tell(progress, scene, done);
                 tell()?;
-                let test = Test { scene, size: *size, methods: &methods, rounds: plan.rounds.max(1) };
+                if begin.elapsed() > plan.most {
+                    report.left_out.push((scene, *size));
+                    continue;
+                }
+                let staged = match &mut staged[place] {
+                    Some(staged) => staged,
+                    slot => slot.insert(Staged::new(&renderer, scene).await?),
+                };
+                let test = Test { scene: staged, size: *size, methods: &methods, rounds: plan.rounds.max(1) };
                 let pixels = f64::from(size[0]) * f64::from(size[1]);
                 let expected = match lasted[place] {
                     Some(per_pixel) => Duration::from_secs_f64(per_pixel * pixels),
-                    None if begin.elapsed() > plan.most => Duration::ZERO, // left out in any case
                     None => test.expected(&mut renderer).await?,
                 };
                 if begin.elapsed() + expected > plan.most {
