@@ -165,7 +165,7 @@ pub use import::input::Limits;
 #[cfg(feature = "scene-files")]
 pub use import::{MissingTextures, Origin, OutsideFiles, SceneFile, SceneOptions};
 #[cfg(any(test, feature = "testing"))]
-pub use kernel::traversal::{Boxes, Fetch, RaysPerLane, Stack, Traversal};
+pub use kernel::traversal::{Boxes, Fetch, RaysPerLane, Stack, Tracing, Traversal};
 #[cfg(not(any(test, feature = "testing")))]
 pub(crate) use kernel::traversal::{Boxes, RaysPerLane};
 pub use methods::auto::{Calibration, Choice};

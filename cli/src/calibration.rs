@@ -43,9 +43,10 @@ fn file() -> Option<PathBuf> {
     etcetera::choose_base_strategy().map(|folders| folders.cache_dir().join(FILE)).ok()
 }
 
-/// Returns the name of an adapter and its driver, whose new version has other costs.
+/// Returns the name of an adapter and its driver, whose new version has other costs. Ray queries have other costs too.
 fn key(gpu: &Gpu) -> String {
-    format!("{}; {}", gpu.adapter_name(), gpu.driver())
+    let tracing = if gpu.has_ray_queries() { "; ray queries" } else { "" };
+    format!("{}; {}{tracing}", gpu.adapter_name(), gpu.driver())
 }
 
 /// Returns all calibrations of a file, or `None` if it is missing or not the command's own.

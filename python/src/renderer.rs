@@ -40,10 +40,11 @@ type Hits<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<u32>>);
 ///
 /// ``Renderer()`` opens the adapter that the environment variable ``STEREOTRACE_ADAPTER`` names, or else the fastest.
 /// ``adapter`` selects another: ``"fastest"``, ``"software"`` for one that runs on the CPU, or a part of an adapter's
-/// name. ``kept_scenes`` is the number of most recently used scenes that stay on the device. Default 4.
+/// name. ``kept_scenes`` is the number of most recently used scenes that stay on the device. Default 4. With
+/// ``ray_queries``, rays are traced by the adapter's ray queries, in hardware where it has some. They are experimental.
 ///
 /// Several threads may use one renderer. It renders one frame after the other, without Python's lock. Raises
-/// ``AdapterError`` if no such adapter is found.
+/// ``AdapterError`` if no such adapter is found, or if it has no ray queries.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct Renderer {
     stage: Mutex<Stage>,
@@ -214,8 +215,8 @@ fn pair_of(calibration: Calibration) -> (f32, f32) {
 #[pymethods]
 impl Renderer {
     #[new]
-    #[pyo3(signature = (adapter = None, *, kept_scenes = KEPT_SCENES))]
-    fn new(py: Python<'_>, adapter: Option<String>, kept_scenes: usize) -> PyResult<Self> {
+    #[pyo3(signature = (adapter = None, *, kept_scenes = KEPT_SCENES, ray_queries = false))]
+    fn new(py: Python<'_>, adapter: Option<String>, kept_scenes: usize, ray_queries: bool) -> PyResult<Self> {
         if kept_scenes == 0 {
             return Err(refused("kept_scenes: it must be 1 or more"));
         }
@@ -225,7 +226,11 @@ impl Renderer {
             Some(name) => Adapter::from(name),
         };
         check_process()?;
-        let gpu = py.detach(|| Gpu::open(adapter).wait()).map_err(raised)?;
+        let open = || match ray_queries {
+            true => Gpu::open_with_ray_queries(adapter).wait(),
+            false => Gpu::open(adapter).wait(),
+        };
+        let gpu = py.detach(open).map_err(raised)?;
         OPENED_BY.store(process::id(), Ordering::Relaxed);
         let (name, driver) = (gpu.adapter_name(), gpu.driver());
         let is_software = gpu.adapter_info().device_type == stereotrace::wgpu::DeviceType::Cpu;

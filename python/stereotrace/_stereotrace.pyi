@@ -764,7 +764,10 @@ class Passes:
 class Renderer:
     """A graphics device that renders, and the scenes uploaded to it."""
 
-    def __new__(cls, adapter: str | None = None, *, kept_scenes: int = ...) -> Self: ...  # kept_scenes: 4
+    # kept_scenes: 4
+    def __new__(
+        cls, adapter: str | None = None, *, kept_scenes: int = ..., ray_queries: bool = False
+    ) -> Self: ...
     @property
     def adapter(self) -> str: ...
     @property

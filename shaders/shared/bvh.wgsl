@@ -6,6 +6,7 @@
 
 //! use boxes, counters, cutouts, fetch, in_steps, lane, pixels, primitive, primitives, rays, stack
 
+//! if tracing is kernels
 fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     let scales = scales_of(rays);
     let direction = rays.direction;
@@ -103,6 +104,7 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     return hits;
 }
 
+//! end
 // Returns the hits after the second test of the deferred primitives.
 fn settled(before: Hits, rays: Rays, t_min: F, put_off: PutOff, any_is_enough: bool) -> Hits {
     var hits = before;

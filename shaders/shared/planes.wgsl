@@ -2,7 +2,8 @@
 // all planes before traversal, and their nearest hit limits the traversal. Planes have the largest ids, so at equal t a
 // primitive of the tree wins.
 
-//! use bvh, camera, counters, double_float, fetch, in_steps, lane, pixels, primitive, primitives, rays, textures, tiles
+//! use bvh, camera, counters, double_float, fetch, in_steps, lane, pixels, primitive, primitives, ray_queries, rays
+//! use textures, tiles
 
 //! if planes is none
 // There are no planes.

@@ -123,7 +123,7 @@ impl PackedBvh {
 }
 
 /// Returns the bounding boxes of all primitives. Degenerate triangles and planes have empty boxes.
-fn boxes_of(scene: &Scene) -> impl Iterator<Item = Aabb> {
+pub(super) fn boxes_of(scene: &Scene) -> impl Iterator<Item = Aabb> {
     let triangles = scene.triangles().iter().map(|triangle| {
         let [a, b, c] = triangle.corners;
         match triangle.is_degenerate() {

@@ -6,5 +6,6 @@ pub(crate) mod emitters;
 pub(crate) mod facets;
 pub(crate) mod geometry;
 pub(crate) mod large;
+pub(crate) mod outlines;
 pub(crate) mod table;
 pub(crate) mod tree;

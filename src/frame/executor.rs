@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    gpu::{Gpu, Texels, Timestamps, bind_group},
+    gpu::{Acceleration, Gpu, Texels, Timestamps, bind_group},
     kernel::variant::Variant,
     kernel::{Kernel, Kernels, Ready, Resource},
 };
@@ -19,6 +19,7 @@ pub(crate) enum Held {
         bytes: u64,
     },
     Texture(wgpu::TextureView),
+    Acceleration(Acceleration),
 }
 
 impl Held {
@@ -31,6 +32,7 @@ impl Held {
                 size: std::num::NonZeroU64::new(*bytes),
             }),
             Self::Texture(view) => wgpu::BindingResource::TextureView(view),
+            Self::Acceleration(scene) => scene.binding(),
         }
     }
 }
@@ -44,6 +46,12 @@ impl From<&wgpu::Buffer> for Held {
 impl From<&wgpu::TextureView> for Held {
     fn from(view: &wgpu::TextureView) -> Self {
         Self::Texture(view.clone())
+    }
+}
+
+impl From<&Acceleration> for Held {
+    fn from(scene: &Acceleration) -> Self {
+        Self::Acceleration(scene.clone())
     }
 }
 

@@ -40,7 +40,7 @@ impl Resource {
             }
             Self::Packed | Self::Lists | Self::TBuffer | Self::Drawing => Some((self, 0)),
             Self::Unfinished | Self::Paths | Self::Proposed | Self::Bounced => Some((self, 0)),
-            Self::Frame | Self::Bvh | Self::Geometry | Self::Table | Self::ObjectTable => None,
+            Self::Frame | Self::Bvh | Self::Geometry | Self::Table | Self::ObjectTable | Self::Acceleration => None,
             Self::History | Self::HistoryBounds | Self::EarlierLight | Self::KeptLight => None,
             Self::Slots | Self::SecondSamples | Self::Wanted | Self::ShadowBuffers | Self::Picture => None,
             Self::Texels | Self::Steps | Self::RayList | Self::Found => None,

@@ -6,6 +6,7 @@ use std::{
 };
 
 use super::{
+    acceleration::RAY_QUERIES,
     adapter::{Adapter, describe},
     pipelines::Held,
     work::{Counted, GpuWork},
@@ -20,6 +21,7 @@ pub struct Gpu {
     info: wgpu::AdapterInfo,
     pub(crate) limits: wgpu::Limits,
     pub(crate) timestamps: bool,
+    ray_queries: bool,
     lost: Arc<Mutex<Option<String>>>,
     pub(super) pipelines: Arc<Held>,
     pub(crate) counted: Arc<Counted>,
@@ -73,14 +75,38 @@ impl Gpu {
     /// [`Error::NoAdapter`] if none matches, with the request and the available adapters; [`Error::Gpu`] if the driver
     /// refuses to open it.
     pub async fn open(adapter: impl Into<Adapter>) -> Result<Self, Error> {
-        Self::request(&adapter.into().find().await?).await
+        let adapter = adapter.into().find().await?;
+        let wanted = std::env::var_os(RAY_QUERIES_VARIABLE).is_some_and(|value| value == "1");
+        Self::request(&adapter, wanted && adapter.features().contains(RAY_QUERIES)).await
     }
 
-    async fn request(adapter: &wgpu::Adapter) -> Result<Self, Error> {
+    /// Opens a device as [`Gpu::open`] does, which traces rays by ray queries, in hardware where there is some. wgpu
+    /// calls its ray queries experimental: they may have faults that safe code can meet. The environment variable
+    /// `STEREOTRACE_RAY_QUERIES=1` makes [`Gpu::open`] use them on adapters that have them. See
+    /// [`Gpu::has_ray_queries`].
+    ///
+    /// # Errors
+    /// The errors of [`Gpu::open`]; [`Error::NoAdapter`] if the adapter has no ray queries.
+    pub async fn open_with_ray_queries(adapter: impl Into<Adapter>) -> Result<Self, Error> {
+        let adapter = adapter.into().find().await?;
+        if !adapter.features().contains(RAY_QUERIES) {
+            let reason = format!("{} has none", describe(&adapter.get_info()));
+            return Err(Error::NoAdapter { wanted: " with ray queries".into(), reason });
+        }
+        Self::request(&adapter, true).await
+    }
+
+    async fn request(adapter: &wgpu::Adapter, ray_queries: bool) -> Result<Self, Error> {
+        let timestamps = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
+        let (more, experimental_features) = match ray_queries {
+            true => (RAY_QUERIES, experimental_features()),
+            false => (wgpu::Features::empty(), wgpu::ExperimentalFeatures::disabled()),
+        };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("stereotrace"),
-            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_features: timestamps | more,
             required_limits: adapter.limits(),
+            experimental_features,
             ..Default::default()
         };
         let (device, queue) =
@@ -147,6 +173,7 @@ impl Gpu {
             info: device.adapter_info(),
             limits,
             timestamps: device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
+            ray_queries: can_query_rays(&device),
             lost: Arc::default(),
             pipelines: Arc::default(),
             counted: Arc::default(),
@@ -197,6 +224,15 @@ impl Gpu {
         self.counted.so_far()
     }
 
+    /// Returns whether the device has ray queries: those of a device that was opened with them, or that the caller
+    /// created with the feature `EXPERIMENTAL_RAY_QUERY` and the limits of
+    /// `wgpu::Limits::using_minimum_supported_acceleration_structure_values`. Renderers on it then trace all rays by
+    /// queries. In scenes with spheres or ellipsoids hits are the same as without. In scenes of triangles only, a ray
+    /// through an edge may hit the other triangle there. Within one run, all eyes and methods find the same.
+    pub fn has_ray_queries(&self) -> bool {
+        self.ray_queries
+    }
+
     /// Returns the size of the largest storage buffer that a kernel can bind, in bytes.
     pub(crate) fn binding_limit(&self) -> u64 {
         self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
@@ -241,6 +277,27 @@ impl Gpu {
     pub(super) fn loss(&self) -> Option<String> {
         lock(&self.lost).clone()
     }
+}
+
+/// Name of the environment variable with which [`Gpu::open`] uses ray queries: `1`, on adapters that have them.
+const RAY_QUERIES_VARIABLE: &str = "STEREOTRACE_RAY_QUERIES";
+
+/// Agrees to the use of wgpu's experimental features.
+#[expect(unsafe_code, reason = "wgpu asks for this agreement; only a caller who wants ray queries gives it")]
+fn experimental_features() -> wgpu::ExperimentalFeatures {
+    // SAFETY: the function only asks to accept that experimental features may have faults. Callers accept that by
+    // asking for ray queries, and kernels keep to the rules of wgpu's specification of them.
+    unsafe { wgpu::ExperimentalFeatures::enabled() }
+}
+
+/// Returns whether kernels can bind an acceleration structure in addition to their other resources.
+fn can_query_rays(device: &wgpu::Device) -> bool {
+    let limits = device.limits();
+    let others = limits_over(limits.clone()).max_buffers_and_acceleration_structures_per_shader_stage;
+    device.features().contains(RAY_QUERIES)
+        && limits.max_acceleration_structures_per_shader_stage > 0
+        && limits.max_tlas_instance_count > 0
+        && limits.max_buffers_and_acceleration_structures_per_shader_stage > others
 }
 
 #[cfg(test)]

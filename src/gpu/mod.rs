@@ -1,5 +1,6 @@
 //! Device, buffers, dispatches, read-back and timestamps. This module is independent of scenes, kernels and stereo.
 
+mod acceleration;
 mod adapter;
 mod device;
 mod pipelines;
@@ -9,6 +10,7 @@ mod transfer;
 mod wait;
 mod work;
 
+pub(crate) use acceleration::{ACCELERATION, Acceleration, Outlines};
 pub use adapter::{ADAPTER_VARIABLE, Adapter};
 pub use device::Gpu;
 #[cfg(test)]

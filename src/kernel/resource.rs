@@ -95,6 +95,8 @@ resources! {
     RayList = "ray_list",
     /// Hits of the caller's rays.
     Found = "found",
+    /// The scene's acceleration structure on the device, for ray queries.
+    Acceleration = "acceleration",
     /// Uniform buffer of the BVH.
     Bvh = "bvh",
     /// Nodes and primitives of the BVH.

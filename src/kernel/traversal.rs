@@ -48,7 +48,20 @@ pub enum Stack {
     Workgroup,
 }
 
-/// A variant of the traversal. It affects the time only, not the picture.
+/// What follows rays through the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Tracing {
+    /// The kernels' own traversal of the BVH.
+    Kernels,
+    /// The device's ray queries ([`Gpu::has_ray_queries`](crate::Gpu::has_ray_queries)), with one ray per lane. Kernels
+    /// that count or run in several dispatches, and scenes that do not fit the device's acceleration structures, use
+    /// the kernels' traversal.
+    RayQueries,
+}
+
+/// A variant of the traversal. It affects the time only, not the picture, but for [`Tracing::RayQueries`] in scenes of
+/// triangles: a ray through an edge may hit the other triangle there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Traversal {
@@ -60,22 +73,39 @@ pub struct Traversal {
     pub rays: RaysPerLane,
     /// Where stacks are.
     pub stack: Stack,
+    /// What follows rays.
+    pub tracing: Tracing,
 }
 
 impl Traversal {
     /// Returns the fastest variant for an adapter: on CPU adapters by measurement (docs/TRAVERSAL.md), on GPUs by
-    /// convention.
+    /// convention. A device that was opened with ray queries uses them.
     pub fn of(gpu: &Gpu) -> Self {
-        match gpu.adapter_info().device_type {
+        let usual = match gpu.adapter_info().device_type {
             wgpu::DeviceType::Cpu => Self::CPU,
             _ => Self::GPU,
+        };
+        match gpu.has_ray_queries() {
+            true => usual.rays(RaysPerLane::One).tracing(Tracing::RayQueries),
+            false => usual,
         }
     }
 
-    const CPU: Self = Self { fetch: Fetch::Texture, boxes: Boxes::F32, rays: RaysPerLane::Four, stack: Stack::Private };
+    const CPU: Self = Self {
+        fetch: Fetch::Texture,
+        boxes: Boxes::F32,
+        rays: RaysPerLane::Four,
+        stack: Stack::Private,
+        tracing: Tracing::Kernels,
+    };
     /// Variant for GPUs. Arrays of threads are in memory there, or take many registers (scripts/shapes/shapes.tsv).
-    pub(crate) const GPU: Self =
-        Self { fetch: Fetch::Buffer, boxes: Boxes::Grid16, rays: RaysPerLane::One, stack: Stack::Workgroup };
+    pub(crate) const GPU: Self = Self {
+        fetch: Fetch::Buffer,
+        boxes: Boxes::Grid16,
+        rays: RaysPerLane::One,
+        stack: Stack::Workgroup,
+        tracing: Tracing::Kernels,
+    };
 
     /// Sets how the scene is read.
     pub fn fetch(mut self, fetch: Fetch) -> Self {
@@ -101,15 +131,26 @@ impl Traversal {
         self
     }
 
+    /// Sets what follows rays.
+    pub fn tracing(mut self, tracing: Tracing) -> Self {
+        self.tracing = tracing;
+        self
+    }
+
+    /// Returns whether kernels that trace in one dispatch use ray queries.
+    pub(crate) fn queries_rays(self) -> bool {
+        (self.tracing, self.rays) == (Tracing::RayQueries, RaysPerLane::One)
+    }
+
     /// Returns whether kernels read parents of nodes, which only buffers have.
     pub(crate) fn climbs(self) -> bool {
         (self.fetch, self.rays, self.stack) == (Fetch::Buffer, RaysPerLane::One, Stack::Workgroup)
     }
 
-    /// All variants.
+    /// All variants of the kernels' own traversal.
     pub const ALL: &'static [Self] = {
         const fn of(fetch: Fetch, boxes: Boxes, rays: RaysPerLane, stack: Stack) -> Traversal {
-            Traversal { fetch, boxes, rays, stack }
+            Traversal { fetch, boxes, rays, stack, tracing: Tracing::Kernels }
         }
         use {Boxes::*, Fetch::*, RaysPerLane::*, Stack::*};
         &[
@@ -146,7 +187,11 @@ impl fmt::Display for Traversal {
             Stack::Private => "",
             Stack::Workgroup => ", stacks in workgroups",
         };
-        f.pad(&format!("{fetch}, {boxes}, {rays}{stack}"))
+        let tracing = match self.tracing {
+            Tracing::Kernels => "",
+            Tracing::RayQueries => ", ray queries",
+        };
+        f.pad(&format!("{fetch}, {boxes}, {rays}{stack}{tracing}"))
     }
 }
 
@@ -158,12 +203,14 @@ mod tests {
 
     #[test]
     fn every_variant_prints_as_another_and_is_made_by_its_setters() {
-        let names: BTreeSet<String> = Traversal::ALL.iter().map(Traversal::to_string).collect();
-        assert_eq!(names.len(), Traversal::ALL.len(), "{names:?}");
+        let queries = Traversal::ALL.iter().map(|way| way.tracing(Tracing::RayQueries));
+        let all: Vec<_> = Traversal::ALL.iter().copied().chain(queries).collect();
+        let names: BTreeSet<String> = all.iter().map(Traversal::to_string).collect();
+        assert_eq!(names.len(), 2 * Traversal::ALL.len(), "{names:?}");
         assert_eq!(Traversal::ALL[0].to_string(), "textures, f32, 4 rays");
-        for with in Traversal::ALL {
+        for with in all {
             let made = Traversal::ALL[0].fetch(with.fetch).boxes(with.boxes).rays(with.rays).stack(with.stack);
-            assert_eq!(made, *with);
+            assert_eq!(made.tracing(with.tracing), with);
         }
     }
 }

@@ -9,7 +9,7 @@ mod choices;
 use crate::{
     Material, Scene, ShadowReuse, Sky,
     ask::shadow_buffer::Reading,
-    kernel::traversal::{Boxes, Fetch, RaysPerLane, Stack, Traversal},
+    kernel::traversal::{Boxes, Fetch, RaysPerLane, Stack, Tracing, Traversal},
     kernel::{Canvas, Hits, Role, SampleUse, Shading},
     view::rig::CameraModel,
 };
@@ -205,6 +205,7 @@ impl Variant {
             boxes: Boxes::Grid16,
             rays: RaysPerLane::One,
             stack: Stack::Private,
+            tracing: Tracing::Kernels,
         },
         camera: CameraModel::Planar,
         triangles: false,
@@ -426,11 +427,11 @@ impl Variant {
     }
 
     /// Enables or disables the counting of visited nodes and primitive tests. Counting kernels trace one ray per lane
-    /// on every adapter, so that counters do not depend on the adapter.
+    /// on every adapter and use no ray queries, so that counters do not depend on the adapter.
     pub(crate) fn counting(self, count: bool, cost_map: bool) -> Self {
         let count = count || cost_map;
         let traversal = match count {
-            true => self.traversal.rays(RaysPerLane::One).stack(Stack::Private),
+            true => self.traversal.rays(RaysPerLane::One).stack(Stack::Private).tracing(Tracing::Kernels),
             false => self.traversal,
         };
         Self { count, cost_map, traversal, ..self }

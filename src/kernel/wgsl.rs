@@ -30,7 +30,10 @@
 use std::{collections::HashMap, sync::LazyLock};
 
 use crate::{
-    gpu::{TEXELS, sampled_float_type, sampled_layers_type, sampled_type, storage_type, texture_type, uniform_type},
+    gpu::{
+        ACCELERATION, TEXELS, sampled_float_type, sampled_layers_type, sampled_type, storage_type, texture_type,
+        uniform_type,
+    },
     kernel::Resource,
 };
 
@@ -112,6 +115,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "projectors",
     "proposed",
     "ray_list",
+    "ray_queries",
     "rays",
     "recall",
     "reflectance",
@@ -364,6 +368,7 @@ fn binding_of(words: &[&'static str]) -> Option<wgpu::BindingType> {
         ["var", "<", "uniform", ">", ..] => Some(uniform_type()),
         ["var", "<", "storage", ",", "read", ">", ..] => Some(storage_type(true)),
         ["var", "<", "storage", ",", "read_write", ">", ..] => Some(storage_type(false)),
+        ["var", _, ":", "acceleration_structure", ..] => Some(ACCELERATION),
         ["var", _, ":", "texture_2d", "<", "f32", ..] => Some(sampled_float_type()),
         ["var", _, ":", "texture_2d", "<", "u32", ..] => Some(sampled_type()),
         ["var", _, ":", "texture_2d_array", "<", "u32", ..] => Some(sampled_layers_type()),

@@ -17,11 +17,12 @@ use crate::{
     accel::cutouts::cutouts_of,
     accel::geometry::GeometryTexels,
     accel::large::LargePrimitives,
+    accel::outlines::outlines_of,
     accel::table::{Pictures, ShadingTable},
     frame::{executor::Resources, history::SceneId, targets::Used},
-    gpu::{Gpu, Texel, Texels},
+    gpu::{Acceleration, Gpu, Texel, Texels},
     kernel::layout,
-    kernel::traversal::{Fetch, Traversal},
+    kernel::traversal::{Fetch, Tracing, Traversal},
     kernel::variant::{Shadows, Variant},
     kernel::{Kernels, Resource},
     message::counted,
@@ -39,6 +40,8 @@ pub struct UploadedScene {
     bvh: wgpu::Buffer,
     /// Nodes and primitives, and the shading table.
     texels: [Arc<Texels>; 2],
+    /// What ray queries search, if they trace the scene's rays.
+    acceleration: Option<Acceleration>,
     /// Sky and textures of the shading table.
     pictures: Pictures,
     /// Cut-out textures; their masks follow the geometry in memory.
@@ -152,6 +155,9 @@ impl UploadedScene {
         all.set(Resource::Bvh, &self.bvh);
         all.set(Resource::Geometry, &**geometry);
         all.set(Resource::Table, &**table);
+        if let Some(scene) = &self.acceleration {
+            all.set(Resource::Acceleration, scene);
+        }
     }
 
     /// Returns the resources that a frame's views share.
@@ -362,7 +368,9 @@ impl Renderer {
         let build = started.elapsed();
         let gpu = &self.gpu;
         let fetch = fetch_that_fits(gpu, traversal.fetch, scene, &packed)?;
-        let traversal = traversal.fetch(fetch);
+        let acceleration = self.accelerated(scene, &packed.ids, traversal).await?;
+        let tracing = if acceleration.is_some() { Tracing::RayQueries } else { Tracing::Kernels };
+        let traversal = traversal.fetch(fetch).tracing(tracing);
         let texels = GeometryTexels::new(&packed, fetch);
         let room = before.map(|before| before.overwritten(0));
         let geometry = self.written("geometry", room, texels.count(), texels.texels().into_iter(), fetch).await?;
@@ -376,6 +384,7 @@ impl Renderer {
         Ok(UploadedScene {
             bvh: gpu.checked(bvh).await?,
             texels: [geometry, table],
+            acceleration,
             pictures,
             cutouts: cutouts_of(scene),
             object_table: OnceLock::new(),
@@ -404,6 +413,25 @@ impl Renderer {
             },
             ids: packed.ids,
         })
+    }
+
+    /// Builds what ray queries search; `None` if the kernels trace the scene's rays themselves.
+    async fn accelerated(
+        &self,
+        scene: &Scene,
+        ids: &[u32],
+        traversal: Traversal,
+    ) -> Result<Option<Acceleration>, Error> {
+        if !traversal.queries_rays() || !self.gpu.has_ray_queries() {
+            return Ok(None);
+        }
+        let Some(outlines) = outlines_of(scene, ids) else { return Ok(None) };
+        let (count, most) = (outlines.count() as u64, self.gpu.most_queried());
+        if count > most {
+            log::info!("ray queries take at most {most} primitives on this device: kernels trace all {count}");
+            return Ok(None);
+        }
+        self.gpu.accelerate(&outlines).await.map(Some)
     }
 
     /// Uploads the shading table. If the memory holds the same sky and textures at the same offset, only the texels

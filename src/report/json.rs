@@ -14,6 +14,7 @@ impl Report {
             "version": self.version,
             "adapter": self.adapter,
             "driver": self.driver,
+            "ray_queries": self.ray_queries,
             "limits": serde_json::Map::from_iter(limits),
             "timestamps": self.timestamps,
             "calibration": { "search": self.calibration.search, "shadow": self.calibration.shadow },

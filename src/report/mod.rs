@@ -52,6 +52,8 @@ pub struct Report {
     pub adapter: String,
     /// Name and version of the driver.
     pub driver: String,
+    /// Whether rays are traced by ray queries ([`Gpu::has_ray_queries`]).
+    pub ray_queries: bool,
     /// Limits of the device that scenes and pictures are checked against: name and value.
     pub limits: Vec<(&'static str, u64)>,
     /// Whether the device times passes. Without timestamps, times are those of the host's clock.
@@ -138,6 +140,7 @@ impl Report {
             version: env!("CARGO_PKG_VERSION"),
             adapter: gpu.adapter_name(),
             driver: gpu.driver(),
+            ray_queries: gpu.has_ray_queries(),
             limits: vec![
                 ("max_buffer_size", limits.max_buffer_size),
                 ("max_storage_buffer_binding_size", limits.max_storage_buffer_binding_size),

@@ -35,7 +35,8 @@ impl Report {
              <h1>stereotrace {} on {adapter}</h1>",
             self.version
         )?;
-        writeln!(page, "<p>Driver: {}. {}.</p>", Escaped(&self.driver), self.clock())?;
+        let tracing = if self.ray_queries { "ray queries" } else { "kernels" };
+        writeln!(page, "<p>Driver: {}. Rays are traced by {tracing}. {}.</p>", Escaped(&self.driver), self.clock())?;
         let limits = self.limits.iter().map(|(name, value)| format!("{name} {value}"));
         writeln!(page, "<p class=\"note\">{}.</p>", Vec::from_iter(limits).join(", "))?;
         writeln!(

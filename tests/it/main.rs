@@ -49,6 +49,7 @@ mod planes;
 mod ply;
 mod projector;
 mod prose;
+mod ray_queries;
 mod rays;
 mod rooms;
 mod rows_and_textures;

@@ -22,7 +22,7 @@ pub(crate) use self::{
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
-use stereotrace::{Gpu, Renderer, blocking::Wait};
+use stereotrace::{Adapter, Gpu, Renderer, blocking::Wait};
 
 use crate::{
     calibration,
@@ -78,6 +78,9 @@ pub(crate) struct Global {
     /// Graphics adapter: `software`, or a part of an adapter's name [default: STEREOTRACE_ADAPTER, else the fastest]
     #[arg(long, value_name = "NAME", global = true)]
     adapter: Option<String>,
+    /// Trace rays by the adapter's ray queries, in hardware where it has some. They are experimental
+    #[arg(long, global = true)]
+    ray_queries: bool,
     /// First measure the adapter for the method auto, and keep the result in the user's cache folder for later runs
     #[arg(long, global = true)]
     pub(crate) calibrate: bool,
@@ -85,9 +88,10 @@ pub(crate) struct Global {
 
 impl Global {
     pub(crate) fn gpu(&self) -> Result<Gpu, stereotrace::Error> {
-        match &self.adapter {
-            Some(name) => Gpu::open(name.as_str()).wait(),
-            None => Gpu::new().wait(),
+        let adapter = self.adapter.as_deref().map_or(Adapter::FromEnv, Adapter::from);
+        match self.ray_queries {
+            true => Gpu::open_with_ray_queries(adapter).wait(),
+            false => Gpu::open(adapter).wait(),
         }
     }
 

@@ -2,7 +2,10 @@
 
 use std::{collections::BTreeMap, error::Error, ffi::CString};
 
-use ash::{khr::pipeline_executable_properties, vk};
+use ash::{
+    khr::{acceleration_structure, deferred_host_operations, pipeline_executable_properties, ray_query},
+    vk,
+};
 
 /// A device that compiles. It runs nothing, so it needs no hardware.
 pub struct Driver {
@@ -32,12 +35,22 @@ impl Driver {
             let name = properties.properties.device_name_as_c_str()?.to_string_lossy().into_owned();
             let name = format!("{name}, {}", driver.driver_info_as_c_str()?.to_string_lossy());
             let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&[1.0])];
-            let extensions = [pipeline_executable_properties::NAME.as_ptr()];
+            let extensions = [
+                pipeline_executable_properties::NAME,
+                acceleration_structure::NAME,
+                deferred_host_operations::NAME,
+                ray_query::NAME,
+            ]
+            .map(std::ffi::CStr::as_ptr);
             let mut reports =
                 vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
-            let mut memory = vk::PhysicalDeviceVulkan12Features::default().vulkan_memory_model(true);
+            let mut memory =
+                vk::PhysicalDeviceVulkan12Features::default().vulkan_memory_model(true).buffer_device_address(true);
+            let mut scenes = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default().acceleration_structure(true);
+            let mut queries = vk::PhysicalDeviceRayQueryFeaturesKHR::default().ray_query(true);
             let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_extension_names(&extensions);
             let info = info.push_next(&mut reports).push_next(&mut memory);
+            let info = info.push_next(&mut scenes).push_next(&mut queries);
             let device = instance.create_device(physical, &info, None)?;
             let statistics = pipeline_executable_properties::Device::new(&instance, &device);
             Ok(Self { _entry: entry, device, statistics, name })
@@ -55,7 +68,7 @@ impl Driver {
         let (module, info) =
             naga::back::pipeline_constants::process_overrides(&module, &info, None, &Default::default())?;
         let entry = CString::new(module.entry_points[0].name.as_str())?;
-        let options = naga::back::spv::Options { lang_version: (1, 3), ..Default::default() };
+        let options = naga::back::spv::Options { lang_version: (1, 4), ..Default::default() };
         let stage = naga::back::spv::PipelineOptions {
             shader_stage: naga::ShaderStage::Compute,
             entry_point: module.entry_points[0].name.clone(),
@@ -114,6 +127,7 @@ fn kind(space: &naga::AddressSpace, ty: &naga::TypeInner) -> vk::DescriptorType 
             vk::DescriptorType::STORAGE_IMAGE
         }
         (_, naga::TypeInner::Image { .. }) => vk::DescriptorType::SAMPLED_IMAGE,
+        (_, naga::TypeInner::AccelerationStructure { .. }) => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
         _ => vk::DescriptorType::SAMPLER,
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     Builtin, ShadowReuse,
-    kernel::traversal::Traversal,
+    kernel::traversal::{Tracing, Traversal},
     kernel::variant::{Shadows, SkyKind},
     steps::bracket::{SEARCH_TILES, SEARCH_WIDE_TILES},
 };
@@ -12,7 +12,7 @@ use crate::{
 const STACK: u32 = 40;
 
 /// Returns the kinds of scenes by name, from simple to complete.
-fn kinds() -> [(&'static str, Variant); 6] {
+fn kinds() -> [(&'static str, Variant); 8] {
     let hall = Variant::over_tree(&Builtin::Hall.scene(), Traversal::GPU, false, STACK);
     let hall = Variant { samples: true, bits: ShadowReuse::Two, ..hall };
     // The features that most glTF files use.
@@ -33,6 +33,7 @@ fn kinds() -> [(&'static str, Variant); 6] {
         linear: true,
         ..hall
     };
+    let queries = Traversal::GPU.tracing(Tracing::RayQueries);
     let soft = Variant { soft_lights: true, shadow_rays: 16, occlusion_rays: 16, ..hall };
     [
         ("triangles", Variant { spheres: false, planes: 0, ..hall }),
@@ -41,6 +42,8 @@ fn kinds() -> [(&'static str, Variant); 6] {
         ("mirrors", Variant { mirrors: true, ..gltf }),
         ("soft", soft),
         ("paths", Variant { mirrors: true, coats: true, paths: true, ..gltf }),
+        ("queries", Variant { traversal: queries, spheres: false, planes: 0, ..hall }),
+        ("queries-boxes", Variant { traversal: queries, spheres: true, ..hall }),
     ]
 }
 
@@ -61,5 +64,7 @@ pub(super) fn modules_of(kernel: &Kernel) -> Vec<(&'static str, String)> {
         _ => true,
     };
     let kinds = kinds().into_iter().filter(|(_, with)| suits(with));
-    kinds.map(|(kind, with)| (kind, kernel.linked(&with).text)).collect()
+    let modules = kinds.map(|(kind, with)| (kind, with, kernel.linked(&with).text));
+    let differs = |with: &Variant, text: &str| !with.traversal.queries_rays() || text.contains("ray_query");
+    modules.filter(|(_, with, text)| differs(with, text)).map(|(kind, _, text)| (kind, text)).collect()
 }

@@ -7,7 +7,7 @@ use crate::{
     ShadowReuse, ShadowRule,
     ask::shadow_buffer::Reading,
     frame::show::{PACK, SHOW_COLOR, SHOW_DEPTH},
-    kernel::traversal::{Boxes, Traversal},
+    kernel::traversal::{Boxes, Tracing, Traversal},
     kernel::variant::{Shadows, SkyKind},
     output::on_device::COMBINE,
     render::cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
@@ -185,7 +185,9 @@ pub(super) fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
 /// choices.
 pub(super) fn variants() -> Vec<Variant> {
     let traversals = Traversal::ALL.iter().flat_map(|&traversal| [(traversal, false), (traversal, true)]);
-    let traversals: Vec<_> = traversals.filter(|(with, world)| with.boxes == Boxes::F32 || !world).collect();
+    let traversals = traversals.filter(|(with, world)| with.boxes == Boxes::F32 || !world);
+    let queries = (Traversal::GPU.tracing(Tracing::RayQueries), false);
+    let traversals: Vec<_> = traversals.chain([queries]).collect();
     // The columns are spheres, triangles, normals and ellipsoids.
     let kinds = [
         [true, false, false, false],
@@ -269,8 +271,9 @@ pub(super) fn variants() -> Vec<Variant> {
             jitter: [0, 3][jitter],
             stack_size: 40,
             bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
-            count: counting > 0,
-            cost_map: counting > 1,
+            // Counting kernels use no ray queries.
+            count: counting > 0 && traversal.tracing == Tracing::Kernels,
+            cost_map: counting > 1 && traversal.tracing == Tracing::Kernels,
             shadow_buffer: [None, Some(ShadowRule::Object), Some(ShadowRule::DEPTH), Some(ShadowRule::HYBRID)][buffer]
                 .map(|rule| Reading::new(rule, 0b101)),
         }

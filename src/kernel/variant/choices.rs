@@ -12,7 +12,7 @@ use crate::{
 
 impl Kernel {
     /// Returns the value of each choice in shared WGSL.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 38] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 39] {
         let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
@@ -20,7 +20,9 @@ impl Kernel {
             (false, true) => "spheres",
             (false, false) => "none",
         };
-        let is_shared = with.traversal.climbs() && dispatches == Dispatches::One && !with.count && primitives != "none";
+        let traces_at_once = dispatches == Dispatches::One && !with.count && primitives != "none";
+        let tracing = if traces_at_once && with.traversal.queries_rays() { "ray_queries" } else { "kernels" };
+        let is_shared = traces_at_once && with.traversal.climbs() && tracing == "kernels";
         let texels = match primitives {
             _ if with.ellipsoids => "ellipsoids",
             "spheres" => "spheres",
@@ -122,6 +124,7 @@ impl Kernel {
             ("fetch", if with.traversal.fetch == Fetch::Texture { "texture" } else { "buffer" }),
             ("rays", if with.traversal.rays == RaysPerLane::One { "one" } else { "four" }),
             ("stack", if is_shared { "workgroup" } else { "private" }),
+            ("tracing", tracing),
             ("jitter", if with.jitter > 1 { "rows" } else { "none" }),
             ("dispatches", if dispatches == Dispatches::Many { "many" } else { "one" }),
             ("uv", if with.uv { "some" } else { "none" }),
@@ -157,7 +160,8 @@ impl Kernel {
         let Linked { text, bindings } = wgsl::linked(self.main, &self.choices(with));
         let used = self.constants(with).into_iter().filter(|(name, ..)| text.contains(name));
         let constants: String = used.map(|(name, kind, value)| format!("const {name}: {kind} = {value};\n")).collect();
-        Linked { text: constants + &text, bindings }
+        let enabled = if text.contains(": ray_query") { "enable wgpu_ray_query;\n" } else { "" };
+        Linked { text: format!("{enabled}{constants}{text}"), bindings }
     }
 
     /// Returns the name, type and value of each constant that shared WGSL may use.
@@ -174,6 +178,9 @@ impl Kernel {
         let number = |name, value: u32| (name, "u32", format!("{value}u"));
         let mut all = vec![
             number("STACK_SIZE", with.stack_size),
+            number("FIRST_QUERIED", with.planes),
+            flag("BY_BOXES", with.spheres),
+            flag("CUTOUTS", with.cutouts),
             flag("KEEP_OCCLUDERS", with.bits == ShadowReuse::Two && !shares),
             flag("KEEP_BITS", with.sample_use(self.role) == SampleUse::Written),
             flag("CLOSE", with.close),
