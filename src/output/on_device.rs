@@ -1,10 +1,10 @@
-//! Makes one picture of both eyes on the device, from views that are there.
+//! Makes one picture of both eyes on the device, from pictures that are there.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::{Anaglyph, Combination, Packing};
 use crate::{
-    EncodedView, Error, Renderer,
+    Error, Renderer,
     frame::executor::{Executor, Resources, Workgroups},
     gpu::MAX_WORKGROUPS,
     kernel::{Kernel, Resource, Role, kernel, layout::WORKGROUP, variant::Variant},
@@ -54,24 +54,24 @@ impl Combining {
 }
 
 impl Renderer {
-    /// Encodes one picture of two views of an encoded frame ([`FrameBuilder::encode`](crate::FrameBuilder::encode)),
-    /// into the same encoder or a later one. The result is sRGB-encoded, alpha 1, `Rgba8Unorm`, and can be sampled and
-    /// copied. Its bytes are those of [`Combination::picture`]; where light is mixed, a byte may differ by 1, since
-    /// devices approximate the sRGB curve.
+    /// Encodes one picture of both eyes' pictures, such as [`EncodedView::color`](crate::EncodedView::color) of a frame
+    /// in the same encoder or an earlier one. Both are sRGB-encoded, `Rgba8Unorm`, with the usage `TEXTURE_BINDING`.
+    /// The result is alike, has alpha 1, and can also be copied. Its bytes are those of [`Combination::picture`]; where
+    /// light is mixed, a byte may differ by 1, since devices approximate the sRGB curve.
     ///
     /// # Errors
-    /// [`Error::Sizes`] if the views differ in size; [`Error::Limit`] if the picture is larger than the adapter's
-    /// textures; [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    /// [`Error::Sizes`] if the pictures differ in size; [`Error::Limit`] if the result is larger than the adapter's
+    /// textures; [`Error::OutOfMemory`], [`Error::DeviceLost`], and [`Error::Gpu`] for textures that can't be sampled.
     pub async fn encode_combined(
         &self,
         how: Combination,
-        [left, right]: [&EncodedView; 2],
+        [left, right]: [&wgpu::Texture; 2],
         encoder: &mut wgpu::CommandEncoder,
     ) -> Result<wgpu::Texture, Error> {
-        let [size, other] = [left, right].map(|view| [view.color.width(), view.color.height()]);
+        let [size, other] = [left, right].map(|eye| [eye.width(), eye.height()]);
         if size != other {
             let sizes = format!("{}x{} and {}x{}", size[0], size[1], other[0], other[1]);
-            return Err(Error::Sizes { sizes, reason: "both views must have the same size" });
+            return Err(Error::Sizes { sizes, reason: "both pictures must have the same size" });
         }
         let [width, height] = how.size(size);
         let side = self.gpu.limits.max_texture_dimension_2d.min(MAX_WORKGROUPS * WORKGROUP);
@@ -88,14 +88,13 @@ impl Renderer {
             use wgpu::{TextureFormat::Rgba8Unorm, TextureUsages as Usages};
 
             let usage = Usages::STORAGE_BINDING | Usages::TEXTURE_BINDING | Usages::COPY_SRC;
-            let srgb = [wgpu::TextureFormat::Rgba8UnormSrgb];
-            let picture = self.gpu.texture("both eyes", [width, height], Rgba8Unorm, usage, &srgb);
+            let picture = self.gpu.texture("both eyes", [width, height], Rgba8Unorm, usage, &[]);
             let combining = self.gpu.uniform_buffer("combining", bytemuck::bytes_of(&Combining::new(how, size)));
             let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
             let resources = Resources::default()
                 .with(Resource::Combining, &combining)
-                .with(Resource::LeftPicture, &view(&left.color))
-                .with(Resource::RightPicture, &view(&right.color))
+                .with(Resource::LeftPicture, &view(left))
+                .with(Resource::RightPicture, &view(right))
                 .with(Resource::Picture, &view(&picture));
             let workgroups = Workgroups::Number([width.div_ceil(WORKGROUP), height.div_ceil(WORKGROUP), 1]);
             let mut executor = Executor::new(&self.gpu, &self.kernels, None, None);

@@ -179,7 +179,7 @@ fn pictures_of_both_eyes_on_the_device_are_those_for_files() {
         let rig = Rig::pair(camera);
         let encoded = renderer.views(&uploaded, &rig).options(&options).encode(&mut encoder).wait().unwrap();
         let [left, right] = &encoded.views[..] else { unreachable!("two eyes") };
-        let picture = renderer.encode_combined(how, [left, right], &mut encoder).wait().unwrap();
+        let picture = renderer.encode_combined(how, [&left.color, &right.color], &mut encoder).wait().unwrap();
         gpu.queue().submit([encoder.finish()]);
         let expected = how.picture(&pair.left, &pair.right);
         assert_eq!([picture.width(), picture.height()], [expected.width, expected.height], "{how:?}");
@@ -197,7 +197,7 @@ fn pictures_of_both_eyes_on_the_device_are_those_for_files() {
     };
     let [small, large] = [encoded([60, 43]), encoded([61, 43])];
     let how = Combination::Packed(Packing::SideBySide);
-    let refused = renderer.encode_combined(how, [&small.views[0], &large.views[1]], &mut encoder).wait();
+    let refused = renderer.encode_combined(how, [&small.views[0].color, &large.views[1].color], &mut encoder).wait();
     assert!(matches!(refused, Err(Error::Sizes { .. })), "{refused:?}");
 }
 
