@@ -4,7 +4,7 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 use stereotrace::output::Picture;
 
 const TEXT: [u8; 4] = [240, 240, 240, 255];
-const GROUND: [u8; 4] = [0, 0, 0, 160];
+const GROUND: [u8; 4] = [0, 0, 0, 92];
 /// Margin around the text, in widths of a character.
 const MARGIN: usize = 1;
 

@@ -9,18 +9,16 @@ use std::{
     },
 };
 
-use stereotrace::wgpu::{self, CurrentSurfaceTexture, TextureFormat};
+use stereotrace::{
+    Gpu,
+    wgpu::{self, CurrentSurfaceTexture, TextureFormat},
+};
 use winit::{event_loop::OwnedDisplayHandle, window::Window};
 
 use super::show::{Show, Sight};
 
-/// Surface formats in order of preference.
-const FORMATS: [TextureFormat; 4] = [
-    TextureFormat::Bgra8UnormSrgb,
-    TextureFormat::Rgba8UnormSrgb,
-    TextureFormat::Bgra8Unorm,
-    TextureFormat::Rgba8Unorm,
-];
+/// Surface formats in order of preference. They take encoded colours as they are.
+const FORMATS: [TextureFormat; 2] = [TextureFormat::Bgra8Unorm, TextureFormat::Rgba8Unorm];
 
 /// Number of failures in a row above which the device counts as lost, since not every driver reports a loss.
 const PATIENCE: u32 = 8;
@@ -61,7 +59,8 @@ impl Screen {
             .map_err(|error| format!("no adapter can draw into this window: {error}"))?;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("window"),
-            required_limits: wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits()),
+            required_features: Gpu::required_features(),
+            required_limits: Gpu::required_limits().using_resolution(adapter.limits()),
             ..Default::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))?;
@@ -79,10 +78,10 @@ impl Screen {
 
         let offered = surface.get_capabilities(&adapter).formats;
         let format = FORMATS.into_iter().find(|format| offered.contains(format));
-        let format = format.ok_or("the window supports no format with 8 bits per channel")?;
+        let format = format.ok_or("the window supports neither Bgra8Unorm nor Rgba8Unorm")?;
         let mut config = surface.get_default_config(&adapter, 1, 1).ok_or("the adapter can't draw into this window")?;
         (config.format, config.present_mode) = (format, wgpu::PresentMode::AutoVsync);
-        let show = Show::new(device.clone(), queue.clone(), format);
+        let show = Show::new(Gpu::from_device(device.clone(), queue.clone())?, format);
         let mut screen = Self { window, show, instance, device, queue, surface, config, lost, failures: 0 };
         screen.configure();
         Ok(screen)
@@ -126,7 +125,11 @@ impl Screen {
                 return self.configure_again();
             }
         };
-        self.show.draw(sight, &texture.texture);
+        if let Err(error) = self.show.draw(sight, &texture.texture) {
+            log::error!("window: {error}");
+            drop(texture);
+            return self.configure_again();
+        }
         self.window.pre_present_notify();
         self.queue.present(texture);
         self.failures = 0;

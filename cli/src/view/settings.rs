@@ -1,6 +1,9 @@
 //! Stores the window's settings, which keys and mouse change and which each frame uses.
 
-use stereotrace::{Equirectangular, Method, Options, StereoCamera, output::Packing};
+use stereotrace::{
+    Equirectangular, Method, Options, StereoCamera,
+    output::{Combination, Packing},
+};
 
 use super::{
     control::Place,
@@ -110,9 +113,9 @@ impl Settings {
     /// Returns how to draw the views. In wiggle mode, `turn` selects the right one.
     pub(super) fn look(&self, turn: bool) -> Look {
         match self.mode {
-            Mode::Anaglyph => Look::Anaglyph(self.eyes.anaglyph),
-            Mode::SideBySide => Look::Beside { crossed: false },
-            Mode::CrossEyed => Look::Beside { crossed: true },
+            Mode::Anaglyph => Look::Both(Combination::Anaglyph(self.eyes.anaglyph)),
+            Mode::SideBySide => Look::Both(Combination::Packed(Packing::SideBySide)),
+            Mode::CrossEyed => Look::Both(Combination::Packed(Packing::CrossEyed)),
             Mode::Wiggle => Look::One { right: turn },
             Mode::Left => Look::One { right: false },
             Mode::Right => Look::One { right: true },
@@ -122,7 +125,7 @@ impl Settings {
     /// Returns what the window shows of the views. In wiggle mode, `turn` selects the right one.
     pub(super) fn sight(&self, turn: bool) -> Sight {
         let cut = |head: Head| head.cut(self.place.interaxial().into(), self.place.screen_distance().into());
-        Sight { look: self.look(turn), cut: self.head.map(cut) }
+        Sight { look: self.look(turn), swap: self.eyes.swap, cut: self.head.map(cut) }
     }
 
     /// Returns the size in pixels of an eye's part of the window.

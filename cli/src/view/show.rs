@@ -1,28 +1,25 @@
-//! Draws a pair with text over it, by one pass of show.wgsl, into a window or a picture.
+//! Draws a pair with text over it, into a window or a picture. The passes of show.wgsl draw each eye's part, and then
+//! the window. Between them, the library makes one picture of both parts.
 
 use bytemuck::{Pod, Zeroable};
 use stereotrace::{
-    Span, StereoPair, View,
-    glam::DMat3,
-    output::{Anaglyph, Picture},
+    Error, Gpu, Renderer, Span, StereoPair, View,
+    blocking::Wait,
+    output::{Combination, Picture},
     wgpu,
 };
 
 use super::head::Cut;
 
 const SHADER: &str = include_str!("show.wgsl");
-/// Format of the textures that the shader reads and decodes.
-const TEXTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-/// Format of pictures that are drawn for files.
-const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// Format of all pictures but the window's.
+const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Arrangement in which both views are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Look {
-    /// Mixed for anaglyph glasses.
-    Anaglyph(Anaglyph),
-    /// Side by side, with the left view on the left unless `crossed`.
-    Beside { crossed: bool },
+    /// Both views: an anaglyph, or views beside each other.
+    Both(Combination),
     /// One view alone.
     One { right: bool },
 }
@@ -31,103 +28,72 @@ pub(super) enum Look {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sight {
     pub(super) look: Look,
+    /// Whether the eyes are exchanged.
+    pub(super) swap: bool,
     /// The planar pictures that are shown of an equirectangular pair.
     pub(super) cut: Option<Cut>,
 }
 
-/// Uniforms with the layout of show.wgsl, where a column of a matrix has four words.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Shown {
-    decoded: [f32; 256],
-    of_left: [[f32; 4]; 3],
-    of_right: [[f32; 4]; 3],
-    to_pair: [[[f32; 4]; 3]; 2],
-    size: [u32; 2],
-    beside: u32,
-    encoded: u32,
-    turn: f32,
-    pixel: f32,
-    padding: [u32; 2],
-}
-
-/// Returns the size of one eye's picture in a window of this size, in pixels.
+/// Returns the size of one eye's part of a window of this size, in pixels.
 pub(super) fn eye_size(look: Look, [width, height]: [u32; 2]) -> [u32; 2] {
     match look {
-        Look::Beside { .. } => [(width / 2).max(1), height],
-        Look::Anaglyph(_) | Look::One { .. } => [width, height],
+        Look::Both(Combination::Packed(_)) => [(width / 2).max(1), height],
+        _ => [width, height],
     }
 }
 
-impl Shown {
-    /// `exchanged` says whether the first texture is the right view.
-    fn new(Sight { look, cut }: Sight, size: [u32; 2], encoded: bool, exchanged: bool) -> Self {
-        let one = |k: f32| [[k, 0.0, 0.0], [0.0, k, 0.0], [0.0, 0.0, k]];
-        let (left, right) = match look {
-            Look::Anaglyph(kind) => kind.matrices(),
-            Look::Beside { .. } | Look::One { right: false } => (one(1.0), one(0.0)),
-            Look::One { right: true } => (one(0.0), one(1.0)),
+/// `Part` of show.wgsl, where a column of a matrix has four words.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Part {
+    to_pair: [[f32; 4]; 3],
+    size: [f32; 2],
+    turn: f32,
+    pixel: f32,
+}
+
+impl Part {
+    /// Returns the part that an eye, 0 or 1 for the pair's left or right one, sees of its view.
+    fn new(cut: Option<Cut>, eye: usize, size: [u32; 2]) -> Self {
+        let size = size.map(|side| side as f32);
+        let Some(Cut { span, to_pair, tangent }) = cut else {
+            return Self { to_pair: [[0.0; 4]; 3], size, turn: 0.0, pixel: 0.0 };
         };
-        // The library's matrices are row-major, and the shader's matrices are column-major.
-        let columns =
-            |rows: [[f32; 3]; 3]| [0, 1, 2].map(|column| [rows[0][column], rows[1][column], rows[2][column], 0.0]);
-        let beside = u32::from(matches!(look, Look::Beside { .. }));
-        let size = eye_size(look, size);
-        let share = |span| if span == Span::Full { 1.0 } else { 0.5 };
-        let padded = |matrix: DMat3| matrix.to_cols_array_2d().map(|[x, y, z]| [x as f32, y as f32, z as f32, 0.0]);
-        let [of_first, of_second] = cut.map_or([DMat3::ZERO; 2], |cut| cut.to_pair).map(padded);
         Self {
-            to_pair: if exchanged { [of_second, of_first] } else { [of_first, of_second] },
-            turn: cut.map_or(0.0, |cut| share(cut.span)),
-            pixel: cut.map_or(0.0, |cut| (2.0 * cut.tangent / f64::from(size[1])) as f32),
-            padding: [0; 2],
-            decoded: decoded(),
-            of_left: columns(left),
-            of_right: columns(right),
+            to_pair: to_pair[eye].to_cols_array_2d().map(|[x, y, z]| [x as f32, y as f32, z as f32, 0.0]),
             size,
-            beside,
-            encoded: encoded.into(),
+            turn: if span == Span::Full { 1.0 } else { 0.5 },
+            pixel: 2.0 * tangent as f32 / size[1],
         }
     }
 }
 
-/// Returns the linear light of each sRGB-encoded byte (IEC 61966-2-1).
-fn decoded() -> [f32; 256] {
-    std::array::from_fn(|byte| {
-        let encoded = byte as f64 / 255.0;
-        let linear = if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) };
-        linear as f32
-    })
-}
-
-/// Textures and pipeline of the shown pair, on one device.
+/// Textures and pipelines of the shown pair, on one device.
 pub(super) struct Show {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    renderer: Renderer,
     module: wgpu::ShaderModule,
+    of_view: wgpu::RenderPipeline,
     /// Pipeline for the window's format.
-    pipeline: wgpu::RenderPipeline,
-    format: wgpu::TextureFormat,
-    uniforms: wgpu::Buffer,
+    of_window: wgpu::RenderPipeline,
+    parts: [wgpu::Buffer; 2],
     stretch: wgpu::Sampler,
     wrap: wgpu::Sampler,
-    eyes: [wgpu::Texture; 2],
-    /// Whether the eyes are exchanged.
-    swap: bool,
+    views: [wgpu::Texture; 2],
     panel: wgpu::Texture,
 }
 
 impl Show {
     /// Creates a black picture and a pipeline for targets of this format.
-    pub(super) fn new(device: wgpu::Device, queue: wgpu::Queue, format: wgpu::TextureFormat) -> Self {
+    pub(super) fn new(gpu: Gpu, format: wgpu::TextureFormat) -> Self {
+        let device = gpu.device();
         let source = wgpu::ShaderSource::Wgsl(SHADER.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("show"), source });
-        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("shown"),
-            size: size_of::<Shown>() as u64,
+        let part = wgpu::BufferDescriptor {
+            label: Some("part"),
+            size: size_of::<Part>() as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
-        });
+        };
         let sampler = |label, address_mode_u| {
             device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
@@ -137,55 +103,48 @@ impl Show {
                 ..Default::default()
             })
         };
-        let stretch = sampler("stretch", wgpu::AddressMode::ClampToEdge);
-        let wrap = sampler("wrap", wgpu::AddressMode::Repeat);
-        let eyes = [0, 1].map(|_| texture(&device, "eye", [1, 1]));
-        let panel = texture(&device, "panel", [1, 1]);
-        let pipeline = pipeline(&device, &module, format);
-        Self { device, queue, module, pipeline, format, uniforms, stretch, wrap, eyes, swap: false, panel }
+        let uploaded = |label| texture(device, label, [1, 1], wgpu::TextureUsages::COPY_DST);
+        Self {
+            of_view: pipeline(device, &module, "view", PICTURE),
+            of_window: pipeline(device, &module, "show", format),
+            parts: [0, 1].map(|_| device.create_buffer(&part)),
+            stretch: sampler("stretch", wgpu::AddressMode::ClampToEdge),
+            wrap: sampler("wrap", wgpu::AddressMode::Repeat),
+            views: [0, 1].map(|_| uploaded("view")),
+            panel: uploaded("panel"),
+            module,
+            renderer: Renderer::new(gpu),
+        }
     }
 
-    /// Uploads another pair, with its eyes exchanged if `swap`.
-    pub(super) fn set_pair(&mut self, pair: &StereoPair, swap: bool) {
-        self.swap = swap;
-        let eyes = if swap { [&pair.right, &pair.left] } else { [&pair.left, &pair.right] };
-        for (to, View { width, height, rgba8, .. }) in self.eyes.iter_mut().zip(eyes) {
-            fill(&self.device, &self.queue, to, ("eye", [*width, *height]), rgba8);
+    /// Uploads another pair.
+    pub(super) fn set_pair(&mut self, pair: &StereoPair) {
+        for (to, View { width, height, rgba8, .. }) in self.views.iter_mut().zip([&pair.left, &pair.right]) {
+            fill(self.renderer.gpu(), to, ("view", [*width, *height]), rgba8);
         }
     }
 
     /// Uploads another picture of the text.
     pub(super) fn set_panel(&mut self, Picture { width, height, rgba8, .. }: &Picture) {
-        fill(&self.device, &self.queue, &mut self.panel, ("panel", [*width, *height]), rgba8);
+        fill(self.renderer.gpu(), &mut self.panel, ("panel", [*width, *height]), rgba8);
     }
 
     /// Draws into a window's texture.
-    pub(super) fn draw(&self, sight: Sight, target: &wgpu::Texture) {
-        let commands = self.encode(sight, target, &self.pipeline, self.format);
-        self.queue.submit([commands.finish()]);
+    pub(super) fn draw(&self, sight: Sight, target: &wgpu::Texture) -> Result<(), Error> {
+        let commands = self.encode(sight, target, &self.of_window)?;
+        self.renderer.gpu().queue().submit([commands.finish()]);
+        Ok(())
     }
 
     /// Draws the picture of a window of this size and reads it back.
-    pub(super) fn picture(&self, sight: Sight, size: [u32; 2]) -> Result<Picture, stereotrace::Error> {
-        self.picture_in(sight, size, PICTURE)
-    }
-
-    fn picture_in(
-        &self,
-        sight: Sight,
-        [width, height]: [u32; 2],
-        format: wgpu::TextureFormat,
-    ) -> Result<Picture, stereotrace::Error> {
-        let target = self.device.create_texture(&wgpu::TextureDescriptor {
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            format,
-            ..descriptor("picture", [width, height])
-        });
-        let pipeline = pipeline(&self.device, &self.module, format);
-        let mut commands = self.encode(sight, &target, &pipeline, format);
+    pub(super) fn picture(&self, sight: Sight, [width, height]: [u32; 2]) -> Result<Picture, Error> {
+        let (device, queue) = (self.renderer.gpu().device(), self.renderer.gpu().queue());
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let target = texture(device, "picture", [width, height], usage);
+        let mut commands = self.encode(sight, &target, &pipeline(device, &self.module, "show", PICTURE))?;
         // Rows of a copied texture are padded to multiples of 256 bytes.
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("picture"),
             size: u64::from(row) * u64::from(height),
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
@@ -194,10 +153,10 @@ impl Show {
         let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
         let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
         commands.copy_texture_to_buffer(target.as_image_copy(), to, target.size());
-        self.queue.submit([commands.finish()]);
-        let fault = |error: &dyn std::fmt::Display| stereotrace::Error::Gpu(error.to_string());
+        queue.submit([commands.finish()]);
+        let fault = |error: &dyn std::fmt::Display| Error::Gpu(error.to_string());
         buffer.map_async(wgpu::MapMode::Read, .., |_| ());
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| fault(&error))?;
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| fault(&error))?;
         let bytes = buffer.get_mapped_range(..).map_err(|error| fault(&error))?;
         let rows = bytes.chunks_exact(row as usize).flat_map(|row| row[..4 * width as usize].as_chunks::<4>().0);
         Ok(Picture::new(width, height, rows.copied().collect()))
@@ -205,89 +164,112 @@ impl Show {
 
     fn encode(
         &self,
-        sight: Sight,
+        Sight { look, swap, cut }: Sight,
         target: &wgpu::Texture,
         pipeline: &wgpu::RenderPipeline,
-        format: wgpu::TextureFormat,
-    ) -> wgpu::CommandEncoder {
-        let crossed = sight.look == Look::Beside { crossed: true };
-        let shown = Shown::new(sight, [target.width(), target.height()], !format.is_srgb(), crossed != self.swap);
-        self.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&shown));
-        let [left, right] = [0, 1].map(|eye| view(&self.eyes[if crossed { 1 - eye } else { eye }]));
-        let panel = view(&self.panel);
+    ) -> Result<wgpu::CommandEncoder, Error> {
+        let device = self.renderer.gpu().device();
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("show") });
+        let size = eye_size(look, [target.width(), target.height()]);
+        let [left, right] = [usize::from(swap), usize::from(!swap)];
+        let picture = match look {
+            Look::One { right: false } => self.seen(left, cut, size, &mut encoder),
+            Look::One { right: true } => self.seen(right, cut, size, &mut encoder),
+            Look::Both(how) => {
+                let [left, right] = [left, right].map(|eye| self.seen(eye, cut, size, &mut encoder));
+                self.renderer.encode_combined(how, [&left, &right], &mut encoder).wait()?
+            }
+        };
+        let [picture, panel] = [&picture, &self.panel].map(view);
+        let resources =
+            [(0, wgpu::BindingResource::TextureView(&picture)), (1, wgpu::BindingResource::TextureView(&panel))];
+        run(device, &mut encoder, pipeline, &resources, target);
+        Ok(encoder)
+    }
+
+    /// Returns what an eye, 0 or 1 for the pair's left or right one, sees in a part of the window.
+    fn seen(&self, eye: usize, cut: Option<Cut>, size: [u32; 2], encoder: &mut wgpu::CommandEncoder) -> wgpu::Texture {
+        let seen = &self.views[eye];
+        if cut.is_none() && [seen.width(), seen.height()] == size {
+            return seen.clone();
+        }
+        let gpu = self.renderer.gpu();
+        gpu.queue().write_buffer(&self.parts[eye], 0, bytemuck::bytes_of(&Part::new(cut, eye, size)));
+        let part = texture(gpu.device(), "part", size, wgpu::TextureUsages::RENDER_ATTACHMENT);
         let resources = [
-            self.uniforms.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&left),
-            wgpu::BindingResource::TextureView(&right),
-            wgpu::BindingResource::TextureView(&panel),
-            wgpu::BindingResource::Sampler(&self.stretch),
-            wgpu::BindingResource::Sampler(&self.wrap),
+            (0, wgpu::BindingResource::TextureView(&view(seen))),
+            (2, self.parts[eye].as_entire_binding()),
+            (3, wgpu::BindingResource::Sampler(if cut.is_some() { &self.wrap } else { &self.stretch })),
         ];
-        let entries = (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
-        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("show"),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &Vec::from_iter(entries),
-        });
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("show") });
-        let target = view(target);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("show"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations::default(),
-            })],
-            ..Default::default()
-        });
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
-        drop(pass);
-        encoder
+        run(gpu.device(), encoder, &self.of_view, &resources, &part);
+        part
     }
 }
 
-/// Uploads pixels into a texture, which is replaced if its size differs.
-fn fill(
+/// Encodes a pass that draws a whole target.
+fn run(
     device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    to: &mut wgpu::Texture,
-    (label, size): (&str, [u32; 2]),
-    pixels: &[[u8; 4]],
+    encoder: &mut wgpu::CommandEncoder,
+    pipeline: &wgpu::RenderPipeline,
+    resources: &[(u32, wgpu::BindingResource<'_>)],
+    target: &wgpu::Texture,
 ) {
+    let entries = resources.iter().cloned().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("show"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &Vec::from_iter(entries),
+    });
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("show"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &view(target),
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations::default(),
+        })],
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.draw(0..3, 0..1);
+}
+
+/// Uploads pixels into a texture, which is replaced if its size differs.
+fn fill(gpu: &Gpu, to: &mut wgpu::Texture, (label, size): (&str, [u32; 2]), pixels: &[[u8; 4]]) {
     if [to.width(), to.height()] != size {
-        *to = texture(device, label, size);
+        *to = texture(gpu.device(), label, size, wgpu::TextureUsages::COPY_DST);
     }
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size[0]), rows_per_image: None };
-    queue.write_texture(to.as_image_copy(), bytemuck::cast_slice(pixels), layout, to.size());
+    gpu.queue().write_texture(to.as_image_copy(), bytemuck::cast_slice(pixels), layout, to.size());
 }
 
 fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-fn descriptor(label: &str, [width, height]: [u32; 2]) -> wgpu::TextureDescriptor<'_> {
-    wgpu::TextureDescriptor {
+/// Creates a texture that can be sampled.
+fn texture(device: &wgpu::Device, label: &str, [width, height]: [u32; 2], usage: wgpu::TextureUsages) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: TEXTURE,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        format: PICTURE,
+        usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
-    }
+    })
 }
 
-fn texture(device: &wgpu::Device, label: &str, size: [u32; 2]) -> wgpu::Texture {
-    device.create_texture(&descriptor(label, size))
-}
-
-fn pipeline(device: &wgpu::Device, module: &wgpu::ShaderModule, format: wgpu::TextureFormat) -> wgpu::RenderPipeline {
+fn pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    fragment: &str,
+    format: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("show"),
+        label: Some(fragment),
         layout: None,
         vertex: wgpu::VertexState {
             module,
@@ -300,7 +282,7 @@ fn pipeline(device: &wgpu::Device, module: &wgpu::ShaderModule, format: wgpu::Te
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module,
-            entry_point: None,
+            entry_point: Some(fragment),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(format.into())],
         }),
@@ -314,10 +296,9 @@ mod tests {
     use std::sync::OnceLock;
 
     use stereotrace::{
-        Builtin, Equirectangular, Gpu, Method, Options, Projection, Renderer, StereoCamera,
-        blocking::Wait,
+        Builtin, Equirectangular, Method, Options, Projection, StereoCamera,
         glam::DVec3,
-        output::{Packing, anaglyph, packed},
+        output::{Anaglyph, Packing},
     };
 
     use super::super::head::Head;
@@ -326,8 +307,16 @@ mod tests {
     const SIZE: [u32; 2] = [93, 40];
     const LEFT: Look = Look::One { right: false };
 
+    const RIGHT: Look = Look::One { right: true };
+
     fn plain(look: Look) -> Sight {
-        Sight { look, cut: None }
+        Sight { look, swap: false, cut: None }
+    }
+
+    /// Returns all arrangements of both views in the window.
+    fn combinations() -> impl Iterator<Item = Combination> {
+        let packings = [Packing::SideBySide, Packing::CrossEyed].map(Combination::Packed);
+        Anaglyph::ALL.iter().map(|&kind| Combination::Anaglyph(kind)).chain(packings)
     }
 
     /// Returns a pair of random pixels, and a device to draw it on.
@@ -351,11 +340,11 @@ mod tests {
         })
     }
 
-    fn shown(swap: bool, look: Look, size: [u32; 2]) -> Picture {
-        let (pair, gpu) = setting();
-        let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
-        show.set_pair(pair, swap);
-        show.picture(plain(look), size).unwrap()
+    fn show(pair: &StereoPair) -> Show {
+        let (_, gpu) = setting();
+        let mut show = Show::new(gpu.clone(), PICTURE);
+        show.set_pair(pair);
+        show
     }
 
     /// Returns the largest difference of any channel.
@@ -366,70 +355,73 @@ mod tests {
     }
 
     #[test]
-    fn anaglyphs_are_the_library_s() {
+    fn both_views_are_shown_as_in_files() {
         let (pair, _) = setting();
-        for &kind in Anaglyph::ALL {
-            for swap in [false, true] {
-                let (left, right) = if swap { (&pair.right, &pair.left) } else { (&pair.left, &pair.right) };
-                let expected = anaglyph(left, right, kind);
-                let found = shown(swap, Look::Anaglyph(kind), SIZE);
-                assert!(difference(&found, &expected) <= 1, "{kind}: {}", difference(&found, &expected));
+        let show = show(pair);
+        for how in combinations() {
+            let most = u8::from(matches!(how, Combination::Anaglyph(_)));
+            for (swap, [left, right]) in [(false, [&pair.left, &pair.right]), (true, [&pair.right, &pair.left])] {
+                let expected = how.picture(left, right);
+                let sight = Sight { swap, ..plain(Look::Both(how)) };
+                let found = show.picture(sight, [expected.width, expected.height]).unwrap();
+                assert!(difference(&found, &expected) <= most, "{how:?}: {}", difference(&found, &expected));
+                let exchanged = show.picture(Sight { swap: !swap, ..sight }, [expected.width, expected.height]);
+                assert!(difference(&exchanged.unwrap(), &expected) > 100, "{how:?}");
             }
         }
-        let other = shown(true, Look::Anaglyph(Anaglyph::Dubois), SIZE);
-        assert!(difference(&other, &anaglyph(&pair.left, &pair.right, Anaglyph::Dubois)) > 100);
     }
 
     #[test]
-    fn eyes_alone_and_beside_each_other_are_as_they_were_rendered() {
+    fn one_view_alone_is_as_it_was_rendered() {
         let (pair, _) = setting();
-        for (right, view) in [(false, &pair.left), (true, &pair.right)] {
-            assert_eq!(difference(&shown(false, Look::One { right }, SIZE), &view.picture()), 0);
+        let show = show(pair);
+        for (look, swap, view) in [
+            (LEFT, false, &pair.left),
+            (RIGHT, false, &pair.right),
+            (LEFT, true, &pair.right),
+            (RIGHT, true, &pair.left),
+        ] {
+            let found = show.picture(Sight { swap, ..plain(look) }, SIZE).unwrap();
+            assert_eq!(difference(&found, &view.picture()), 0, "{look:?} {swap}");
         }
-        for (crossed, packing) in [(false, Packing::SideBySide), (true, Packing::CrossEyed)] {
-            let found = shown(false, Look::Beside { crossed }, [2 * SIZE[0], SIZE[1]]);
-            assert_eq!(difference(&found, &packed(&pair.left, &pair.right, packing)), 0);
-        }
-        // The last column of an odd width belongs to no eye.
-        let odd = shown(false, Look::Beside { crossed: false }, [2 * SIZE[0] + 1, SIZE[1]]);
-        let row = &odd.rgba8[..odd.width as usize];
-        assert_eq!(row[..SIZE[0] as usize], pair.left.rgba8[..SIZE[0] as usize]);
-        assert_eq!(row[odd.width as usize - 1], [0, 0, 0, 255]);
     }
 
     #[test]
-    fn a_smaller_picture_fills_the_window() {
+    fn the_last_column_of_an_odd_width_belongs_to_no_eye() {
         let (pair, _) = setting();
-        let mut flat = pair.clone();
-        flat.left.rgba8.fill([10, 200, 90, 255]);
-        let (_, gpu) = setting();
-        let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
-        show.set_pair(&flat, false);
-        let found = show.picture(plain(LEFT), [200, 77]).unwrap();
-        assert!(found.rgba8.iter().all(|pixel| *pixel == [10, 200, 90, 255]));
+        let how = Combination::Packed(Packing::SideBySide);
+        let expected = how.picture(&pair.left, &pair.right);
+        let odd = show(pair).picture(plain(Look::Both(how)), [expected.width + 1, expected.height]).unwrap();
+        let rows = |picture: &Picture| Vec::from_iter(picture.rgba8.chunks(picture.width as usize).map(<[_]>::to_vec));
+        for (found, expected) in rows(&odd).iter().zip(rows(&expected)) {
+            assert_eq!(found.split_last(), Some((&[0, 0, 0, 255], &expected[..])));
+        }
+    }
+
+    /// Magnification keeps the colours of a view's corners, unless another view's pixels reach them.
+    #[test]
+    fn smaller_views_fill_their_parts_of_the_window() {
+        let (pair, _) = setting();
+        let show = show(pair);
+        let corners = |rgba8: &[[u8; 4]], width: usize, columns: [usize; 2]| {
+            [0, rgba8.len() - width].map(|row| columns.map(|column| rgba8[row + column]))
+        };
+        let [left, right] = [&pair.left, &pair.right].map(|view| corners(&view.rgba8, 93, [0, 92]));
+        let alone = show.picture(plain(RIGHT), [200, 77]).unwrap();
+        assert_eq!(corners(&alone.rgba8, 200, [0, 199]), right);
+        let beside = plain(Look::Both(Combination::Packed(Packing::SideBySide)));
+        let beside = show.picture(beside, [400, 77]).unwrap();
+        assert_eq!([[0, 199], [200, 399]].map(|columns| corners(&beside.rgba8, 400, columns)), [left, right]);
     }
 
     #[test]
     fn text_stands_over_the_picture_in_its_corner() {
-        let (pair, gpu) = setting();
-        let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
-        show.set_pair(pair, false);
+        let (pair, _) = setting();
+        let mut show = show(pair);
         show.set_panel(&Picture::new(2, 1, vec![[255, 255, 255, 255], [9, 9, 9, 0]]));
         let found = show.picture(plain(LEFT), SIZE).unwrap();
         assert_eq!(found.rgba8[0], [255; 4]);
         assert_eq!(found.rgba8[1..], pair.left.rgba8[1..]);
-    }
-
-    #[test]
-    fn windows_that_take_encoded_values_show_the_same() {
-        let (pair, gpu) = setting();
-        let format = wgpu::TextureFormat::Rgba8Unorm;
-        let shown = Shown::new(plain(LEFT), SIZE, !format.is_srgb(), false);
-        assert_eq!((shown.encoded, shown.size), (1, SIZE));
-        let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), format);
-        show.set_pair(pair, false);
-        let found = show.picture_in(plain(LEFT), SIZE, format).unwrap();
-        assert!(difference(&found, &pair.left.picture()) <= 1);
     }
 
     #[test]
@@ -447,7 +439,7 @@ mod tests {
         };
         let pairs = [around(Span::Full, [1024, 512]), around(Span::Half, [512, 512])];
         let pairs = pairs.map(|camera| renderer.pair(&scene, &camera).options(&options).read().wait().unwrap());
-        let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
+        let mut show = Show::new(gpu.clone(), PICTURE);
         for (pair, span, [right, up]) in [
             (&pairs[0], Span::Full, [0.0, 0.0]),
             (&pairs[0], Span::Full, [3.0, 0.4]),
@@ -456,7 +448,7 @@ mod tests {
         ] {
             let mut head = Head::new(span);
             head.turn(right, up);
-            show.set_pair(pair, false);
+            show.set_pair(pair);
             let cut = Some(head.cut(0.2, f64::INFINITY));
             // An eye of the viewing circle is beside the ray, so the ray of the window's middle is that of a planar
             // camera there. Other rays start elsewhere, by at most the circle's radius.
@@ -471,8 +463,8 @@ mod tests {
                 let places = (18..30).flat_map(|row| (26..38).map(move |column| 64 * row + column));
                 Vec::from_iter(places.map(|place: usize| pixels[place]))
             };
-            for (eye, look) in [LEFT, Look::One { right: true }].into_iter().enumerate() {
-                let found = middle(&show.picture(Sight { look, cut }, [64, 48]).unwrap().rgba8);
+            for (eye, look) in [LEFT, RIGHT].into_iter().enumerate() {
+                let found = middle(&show.picture(Sight { cut, ..plain(look) }, [64, 48]).unwrap().rgba8);
                 let errors = planar.each_ref().map(|view| {
                     let expected = middle(&view.rgba8);
                     let channels = found.iter().flatten().zip(expected.iter().flatten());
@@ -490,12 +482,12 @@ mod tests {
 
     #[test]
     fn each_view_keeps_its_own_turn_when_the_eyes_are_exchanged() {
-        let cut = Head::new(Span::Full).cut(0.4, 1.0);
-        let [left, right] = cut.to_pair.map(|matrix| matrix.x_axis.z as f32);
-        assert!((left + right).abs() < 1e-6 && left < -0.1);
-        for (exchanged, expected) in [(false, [left, right]), (true, [right, left])] {
-            let shown = Shown::new(Sight { look: LEFT, cut: Some(cut) }, SIZE, true, exchanged);
-            assert_eq!(shown.to_pair.map(|matrix| matrix[0][2]), expected);
-        }
+        let (pair, _) = setting();
+        let show = show(pair);
+        let cut = Some(Head::new(Span::Full).cut(0.4, 1.0));
+        let picture = |look, swap| show.picture(Sight { look, swap, cut }, SIZE).unwrap();
+        let [left, right] = [LEFT, RIGHT].map(|look| picture(look, false));
+        assert!(difference(&left, &right) > 100);
+        assert_eq!([picture(LEFT, true), picture(RIGHT, true)], [right, left]);
     }
 }

@@ -165,7 +165,7 @@ impl App {
         self.panel = Panel::new(window.scale_factor());
         let mut screen = Screen::new(window, event_loop.owned_display_handle())?;
         if let Some(frame) = &self.frame {
-            screen.show.set_pair(&frame.pair, self.settings.eyes.swap);
+            screen.show.set_pair(&frame.pair);
         }
         self.screen = Some(screen);
         self.resize();
@@ -253,7 +253,7 @@ impl App {
                     self.tally.drafts += 1;
                 }
                 if let Some(screen) = &mut self.screen {
-                    screen.show.set_pair(&frame.pair, self.settings.eyes.swap);
+                    screen.show.set_pair(&frame.pair);
                 }
                 self.frame = Some(frame);
                 self.write_if_whole();
@@ -320,12 +320,7 @@ impl App {
                 self.settings.mode = Mode::ALL[(at + 1) % Mode::ALL.len()];
             }
             Action::NextAnaglyph => self.settings.step_anaglyph(),
-            Action::Swap => {
-                self.settings.eyes.swap = !self.settings.eyes.swap;
-                if let (Some(screen), Some(frame)) = (&mut self.screen, &self.frame) {
-                    screen.show.set_pair(&frame.pair, self.settings.eyes.swap);
-                }
-            }
+            Action::Swap => self.settings.eyes.swap = !self.settings.eyes.swap,
             Action::NextMethod { back } => self.settings.step_method(back),
             Action::Samples { fewer } => self.settings.step_samples(fewer),
             Action::Spread(factor) => return self.move_eyes(|place| place.spread(factor)),
