@@ -58,3 +58,11 @@ fn count_pixel(pixel: vec2u) {
         atomicAdd(&counters[frame.band.size.y * COUNTERS + pixel_index(pixel)], nodes_visited + primitives_tested);
     }
 }
+
+// Adds the threads of a pixel's row that did not finish to the frame's, once for each row. Kernels that call this only
+// read the counters, and bind `unfinished`.
+fn count_unfinished(pixel: vec2u) {
+    if pixel.x != 0u { return; }
+    let ended = counters[pixel.y * COUNTERS + CUT_SHORT];
+    if ended > 0u { atomicAdd(&unfinished[0], ended); }
+}

@@ -98,7 +98,7 @@ struct Display {
     exposure: f32,     // factor of linear colour
     filmic: u32,       // 1: tone-mapped; 0: clamped
     words_read: u32,   // words per pixel that the host reads back: pack.wgsl
-    _pad: u32,
+    filter_kind: u32,  // filter of several samples per pixel: 0 box, 1 tent, 2 Gauss
 }
 
 // Parameters of the cost model of the kernel `choose`.

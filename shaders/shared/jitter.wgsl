@@ -32,12 +32,20 @@ fn hashed(words: U) -> U {
     return (word >> U(22u)) ^ word;
 }
 
+fn row_aside(row: u32) -> f32 {
+    return of_ray(sample_aside(U(row)), 0u);
+}
+
 // Returns the largest offset of a sample from its cell's centre, in cell widths.
 fn jitter_reach() -> f32 {
     return 0.5 - 0.5 / f32(SAMPLES_SIDE);
 }
 
 //! if jitter is none
+fn row_aside(row: u32) -> f32 {
+    return 0.0;
+}
+
 fn jitter_reach() -> f32 {
     return 0.0;
 }

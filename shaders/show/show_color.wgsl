@@ -17,10 +17,7 @@ var picture: texture_storage_2d<rgba8unorm, write>;
 fn show_color(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }
-    if pixel.x == 0u {
-        let ended = counters[pixel.y * COUNTERS + CUT_SHORT];
-        if ended > 0u { atomicAdd(&unfinished[0], ended); }
-    }
+    count_unfinished(pixel);
     let color = unpack4x8unorm(view[pixel_index(pixel)].color);
     textureStore(picture, pixel + vec2u(0u, frame.band.first_row), color);
 }

@@ -14,6 +14,7 @@ use super::{
     history::Remembered,
     lanes::Lanes,
     plan::{Launch, Plan, Stage, Step},
+    show::FILTER_SAMPLES,
     targets::Targets,
     uniforms::Uniforms,
     wanted::Mask,
@@ -351,6 +352,21 @@ impl Driver<'_> {
     ) {
         self.resources[view].set(Resource::Picture, texture);
         self.encode(encoder, Step::Run { name: kernel.name, kernel, view, launch: Launch::Pixels, part: 0 });
+    }
+
+    /// Encodes the filter of a view's samples, which a kernel has written to a texture, to a picture of this size.
+    pub(crate) fn encode_filtered(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: usize,
+        samples: &wgpu::TextureView,
+        (picture, size): (&wgpu::TextureView, [u32; 2]),
+    ) {
+        self.resources[view].set(Resource::Samples, samples);
+        self.resources[view].set(Resource::Picture, picture);
+        let [columns, rows] = size.map(|side| side.div_ceil(layout::WORKGROUP));
+        let (kernel, launch) = (&FILTER_SAMPLES, Launch::Number([columns, rows, 1]));
+        self.encode(encoder, Step::Run { name: kernel.name, kernel, view, launch, part: 0 });
     }
 
     /// Encodes a copy of a view's current rows from its source.

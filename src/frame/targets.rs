@@ -45,7 +45,7 @@ impl Resource {
             Self::Slots | Self::SecondSamples | Self::Wanted | Self::ShadowBuffers | Self::Picture => None,
             Self::Texels | Self::Steps | Self::RayList | Self::Found => None,
             Self::NoisyLight | Self::SmoothLight | Self::Guides => None,
-            Self::Combining | Self::LeftPicture | Self::RightPicture => None,
+            Self::Samples | Self::Combining | Self::LeftPicture | Self::RightPicture => None,
         }
     }
 

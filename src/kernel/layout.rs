@@ -103,7 +103,7 @@ pub(crate) struct Display {
     pub(crate) exposure: f32,
     pub(crate) filmic: u32,
     pub(crate) words_read: u32,
-    pub(crate) _pad: u32,
+    pub(crate) filter_kind: u32,
 }
 
 /// `Costs` of shaders/shared/frame.wgsl.

@@ -81,8 +81,10 @@ resources! {
     Texels = "texels",
     /// Shadow-buffers of all lights.
     ShadowBuffers = "shadow_buffers",
-    /// Texture to which a view is written for display.
+    /// Texture to which a view, or all of its samples, are written for display.
     Picture = "picture",
+    /// Texture of the linear colour of all samples.
+    Samples = "samples",
     /// Uniform buffer, and both eyes' pictures, of the kernel that makes one picture of them.
     Combining = "combining",
     LeftPicture = "left_picture",

@@ -293,7 +293,9 @@ impl Variant {
                 Self { camera: self.camera, triangles: true, soft_lights: true, shares: true, ..Self::PIXELS }
             }
             Role::Pixels | Role::MarkBusy => Self { camera: self.camera, ..Self::PIXELS },
-            Role::LinearPixels => Self { camera: self.camera, linear: self.linear, ..Self::PIXELS },
+            Role::LinearPixels => {
+                Self { camera: self.camera, linear: self.linear, jitter: self.jitter, ..Self::PIXELS }
+            }
             Role::Objects => Self { camera: self.camera, traversal: self.traversal, ..Self::PIXELS },
             // Each lane marks a single texel.
             Role::Draw(Canvas::Texels) => {

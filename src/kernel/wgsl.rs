@@ -377,6 +377,7 @@ fn binding_of(words: &[&'static str]) -> Option<wgpu::BindingType> {
                 "rgba32uint" => TEXELS,
                 "rgba8unorm" => Format::Rgba8Unorm,
                 "r32float" => Format::R32Float,
+                "rgba16float" => Format::Rgba16Float,
                 other => unreachable!("no kernel has a texture of {other}"),
             };
             let access = match *access {

@@ -101,6 +101,9 @@ impl<C: Clone + Into<Rig>> FrameBuilder<'_, C> {
     /// only waits for the driver's checks of new buffers and kernels. The commands are fixed: a thread ends early
     /// if its rays take more rounds than the adapter grants. [`Encoded::unfinished`] counts such threads.
     ///
+    /// Several samples per pixel ([`Options::samples`]) are filtered on the device. Their bytes may differ by 1 from
+    /// those that are read back, since samples are kept as f16. Depth is not available then.
+    ///
     /// # Errors
     /// Those of [`FrameBuilder::read`]; [`Error::Encoding`] for a method with a stage on the host, and for options that
     /// need reading back; [`Error::Limit`] for a picture larger than the adapter's textures.

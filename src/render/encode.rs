@@ -2,13 +2,15 @@
 
 use std::{ops::ControlFlow, sync::Arc};
 
+use super::samples::of_samples;
 use crate::{
     Error, GBuffer, Gpu, Options, Renderer, Rig, UploadedScene,
+    ask::samples::side_of,
     frame::{
         driver::{Driver, Setting},
         history::Recall,
         plan::Plan,
-        show::{SHOW_COLOR, SHOW_DEPTH},
+        show::{SHOW_COLOR, SHOW_DEPTH, SHOW_SAMPLES},
         targets::Targets,
         uniforms::uniforms_bytes,
     },
@@ -27,6 +29,8 @@ pub struct Encoded {
     /// ended early. If the number is not 0, the pictures are incomplete. Render such frames with
     /// [`FrameBuilder::read`](crate::FrameBuilder::read), which spreads the work over several dispatches.
     pub unfinished: wgpu::Buffer,
+    /// Linear colour of each view's samples, if there are several per pixel.
+    samples: Vec<wgpu::TextureView>,
     /// Resources that the commands use.
     _targets: Arc<Targets>,
     _upload: wgpu::Buffer,
@@ -82,12 +86,17 @@ impl Renderer {
         if options.samples_sky() {
             scene.weigh_sky().await?;
         }
+        check_options(options)?;
+        let side = side_of(options.samples)?;
         let eyes = rig.eyes(scene.origin)?;
+        let size = eyes.pose.size;
+        let eyes = if side > 1 { eyes.with_samples(side)? } else { eyes };
+        let options = &Options { linear: side > 1, ..options.clone() };
         eyes.check(options)?;
         let tables = scene.shadow_tables(&self.kernels, options).await?.map(|(tables, _)| tables);
         let drawn = self.drawn(scene, options);
         let (.., plan) = self.planned(scene, &eyes, options, drawn, Recall::Nothing);
-        check(&self.gpu, options, &plan, &eyes)?;
+        check(&self.gpu, options, &plan, &eyes).map_err(|error| of_samples(error, options.samples))?;
         let variant = self.variant(scene, &eyes, options, &plan);
         let mut used = plan.uses(&self.kernels, &variant);
         used.places.insert((Resource::Unfinished, 0));
@@ -102,8 +111,9 @@ impl Renderer {
         let mut driver = Driver::new(self.engine(false), setting, &mut go_on);
         let depth = options.g_buffer != GBuffer::None;
         let encode = || {
-            let views = eyes.sources.iter().map(|_| EncodedView::new(&gpu, eyes.pose.size, depth));
-            let encoded = Encoded::new(&gpu, views.collect(), &targets, tables.clone());
+            let views = eyes.sources.iter().map(|_| EncodedView::new(&gpu, size, depth));
+            let samples = eyes.sources.iter().filter(|_| side > 1).map(|_| room_of_samples(&gpu, eyes.pose.size));
+            let encoded = Encoded::new(&gpu, views.collect(), samples.collect(), (&targets, tables.clone()));
             let mut commands = Vec::new();
             let bands = targets.shape.bands;
             let mut upload: Vec<u8> = bytemuck::cast_slice(&driver.heads(&plan)).to_vec();
@@ -113,6 +123,7 @@ impl Renderer {
                 upload.extend(driver.uniforms_of(&bands.get(index)));
                 encoded.encode_band(&mut driver, &plan, encoder, index);
                 if index + 1 == bands.count() {
+                    encoded.encode_filters(&mut driver, encoder);
                     let unfinished = targets.get(Resource::Unfinished, 0);
                     encoder.copy_buffer_to_buffer(unfinished, 0, &encoded.unfinished, 0, Some(4));
                 }
@@ -126,7 +137,12 @@ impl Renderer {
 }
 
 impl Encoded {
-    fn new(gpu: &Gpu, views: Vec<EncodedView>, targets: &Arc<Targets>, tables: Option<Arc<Tables>>) -> Self {
+    fn new(
+        gpu: &Gpu,
+        views: Vec<EncodedView>,
+        samples: Vec<wgpu::TextureView>,
+        (targets, tables): (&Arc<Targets>, Option<Arc<Tables>>),
+    ) -> Self {
         let buffer = |label, size, usage| {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             gpu.device.create_buffer(&descriptor)
@@ -136,6 +152,7 @@ impl Encoded {
         let (from, to) = (wgpu::BufferUsages::COPY_SRC, wgpu::BufferUsages::COPY_DST);
         Self {
             views,
+            samples,
             unfinished: buffer("unfinished", 4, to | wgpu::BufferUsages::MAP_READ),
             _upload: buffer("uniforms", targets.empty_lists.size() + uniforms, from | to),
             _targets: targets.clone(),
@@ -155,15 +172,48 @@ impl Encoded {
         }
         driver.encode_band(encoder, plan);
         for (index, view) in self.views.iter().enumerate() {
-            let shown = [(&SHOW_COLOR, Some(&view.color)), (&SHOW_DEPTH, view.depth.as_ref())];
-            for (kernel, texture) in shown {
-                if let Some(texture) = texture {
-                    let texture = texture.create_view(&wgpu::TextureViewDescriptor::default());
-                    driver.encode_shown(encoder, kernel, index, &texture);
-                }
+            match self.samples.get(index) {
+                Some(samples) => driver.encode_shown(encoder, &SHOW_SAMPLES, index, samples),
+                None => driver.encode_shown(encoder, &SHOW_COLOR, index, &whole(&view.color)),
+            }
+            if let Some(depth) = &view.depth {
+                driver.encode_shown(encoder, &SHOW_DEPTH, index, &whole(depth));
             }
         }
     }
+
+    /// Encodes the filters of all views' samples, once all bands are encoded.
+    fn encode_filters(&self, driver: &mut Driver<'_>, encoder: &mut wgpu::CommandEncoder) {
+        for (index, (samples, view)) in self.samples.iter().zip(&self.views).enumerate() {
+            let size = [view.color.width(), view.color.height()];
+            driver.encode_filtered(encoder, index, samples, (&whole(&view.color), size));
+        }
+    }
+}
+
+fn whole(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// Creates a texture for the linear colour of a view's samples.
+fn room_of_samples(gpu: &Gpu, size: [u32; 2]) -> wgpu::TextureView {
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    whole(&gpu.texture("samples", size, wgpu::TextureFormat::Rgba16Float, usage, &[]))
+}
+
+/// # Errors
+/// [`Error::Encoding`] if the result of an option must be read back.
+fn check_options(options: &Options) -> Result<(), Error> {
+    let depth_of_samples = options.samples > 1 && options.g_buffer != GBuffer::None;
+    let read_back = [
+        (options.adaptive.is_some(), "adaptive sampling"),
+        (depth_of_samples, "the depth of several samples per pixel (GBuffer::None asks for none)"),
+        (options.linear, "linear colour"),
+        (options.cost_map, "a cost map"),
+        (options.count, "counting"),
+    ];
+    let Some((_, what)) = read_back.into_iter().find(|(wanted, _)| *wanted) else { return Ok(()) };
+    Err(Error::Encoding { what: what.into(), reason: "it is available only for results that are read back" })
 }
 
 /// # Errors
@@ -173,18 +223,6 @@ fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), E
     if plan.needs_host() {
         let what = options.method.to_string();
         return Err(Error::Encoding { what, reason: "a part of it runs on the host" });
-    }
-    let read_back = [
-        (options.samples != 1 || options.adaptive.is_some(), "several samples per pixel"),
-        (options.linear, "linear colour"),
-        (options.cost_map, "a cost map"),
-        (options.count, "counting"),
-    ];
-    if let Some((_, what)) = read_back.into_iter().find(|(wanted, _)| *wanted) {
-        return Err(Error::Encoding {
-            what: what.into(),
-            reason: "it is available only for results that are read back",
-        });
     }
     let ([width, height], side) = (eyes.pose.size, gpu.limits.max_texture_dimension_2d);
     if width.max(height) > side {

@@ -4,7 +4,7 @@ use std::{collections::VecDeque, sync::Arc};
 
 use super::tally::Tally;
 use crate::{
-    Choice, Error, Method, OnProgress, OnRows, Options, PassTimes, Penumbra, RaysPerLane, Renderer, Rows,
+    Choice, Error, Filter, Method, OnProgress, OnRows, Options, PassTimes, Penumbra, RaysPerLane, Renderer, Rows,
     ShadowBufferWork, ShadowReuse, Tone, UploadedScene, Visibility,
     frame::{
         Band, Bands,
@@ -254,7 +254,11 @@ impl Renderer {
                 exposure: options.exposure.exp2(),
                 filmic: u32::from(options.tone == Tone::Filmic),
                 words_read: shape.words_read(),
-                _pad: 0,
+                filter_kind: match options.filter {
+                    Filter::Box => 0,
+                    Filter::Tent => 1,
+                    Filter::Gauss => 2,
+                },
             },
             costs: layout::Costs {
                 least_spared: model.least_spared(),

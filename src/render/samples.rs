@@ -116,6 +116,7 @@ pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> R
 /// Replaces the description of a limit error. The larger picture has a size that the caller did not give.
 pub(super) fn of_samples(error: Error, samples: u32) -> Error {
     match error {
+        error if samples == 1 => error,
         Error::Limit { what, needed, limit, allowed, .. } => Error::Limit {
             what: format!("{samples} samples per pixel: {what}"),
             needed,

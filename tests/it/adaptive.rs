@@ -239,7 +239,7 @@ fn what_it_does_not_go_with_is_refused_by_name() {
     let mut encoder = renderer.gpu().clone().device().create_command_encoder(&Default::default());
     let encoded =
         renderer.views(&uploaded, &Rig::pair(camera(16, 16))).options(&with(3, 4.0)).encode(&mut encoder).wait();
-    assert!(encoded.unwrap_err().to_string().contains("several samples per pixel can't be encoded in advance"));
+    assert!(encoded.unwrap_err().to_string().contains("adaptive sampling can't be encoded in advance"));
     let far = camera(400, 300).screen_width(0.01);
     let message = renderer.pair(&uploaded, &far).options(&with(4, 4.0)).read().wait().unwrap_err().to_string();
     assert!(message.contains("64 per pixel; for 400x300 pixels they are"), "{message}");

@@ -5,8 +5,8 @@ use crate::common;
 
 use common::{gpu, has_small_bands, random_stage, renderer};
 use stereotrace::{
-    AmbientOcclusion, Builtin, EncodedView, Equirectangular, Error, GBuffer, Gpu, Light, Method, Options, Projection,
-    Renderer, Rig, Rows, Scene, Sky, Span, StereoCamera, View, Visibility,
+    AmbientOcclusion, Builtin, EncodedView, Equirectangular, Error, Filter, GBuffer, Gpu, Light, Method, Options,
+    Projection, Renderer, Rig, Rows, Scene, Sky, Span, StereoCamera, Tone, View, Visibility,
     blocking::Wait,
     glam::Vec3,
     output::{Anaglyph, Combination, Packing},
@@ -157,6 +157,43 @@ fn encoded_views_are_those_that_are_read_back() {
                 assert_shows(&gpu, &encoded.views[1], &pair.right, &format!("{method} right"));
                 assert_eq!(read(&gpu, &encoded.unfinished), [0; 4], "{method}");
             }
+        }
+    }
+}
+
+/// Filtering on the device rounds samples to f16, so a byte may differ by 1 from the host's.
+#[test]
+fn samples_are_filtered_on_the_device_as_for_files() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(gpu.clone());
+    let scene = renderer.upload(&random_stage(4)).wait().unwrap();
+    let plain = || Options::new(Method::BRACKET).g_buffer(GBuffer::None);
+    for (size, options) in [
+        ([61, 43], plain().samples(4)),
+        ([61, 43], plain().samples(9).filter(Filter::Tent).jitter(false).exposure(1.0)),
+        ([40, 131], plain().samples(16).filter(Filter::Gauss).seed(5).tone(Tone::Filmic)),
+        ([1100, 131], plain().samples(4).filter(Filter::Tent)), // three bands on a CPU adapter
+    ] {
+        let camera = camera().size(size[0], size[1]);
+        let rig = Rig::pair(camera);
+        let pair = renderer.pair(&scene, &camera).options(&options).read().wait().unwrap();
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let encoded = renderer.views(&scene, &rig).options(&options).encode(&mut encoder).wait().unwrap();
+        let (by_bands, commands) = renderer.views(&scene, &rig).options(&options).encode_bands().wait().unwrap();
+        gpu.queue().submit([encoder.finish()]);
+        gpu.queue().submit(commands);
+        for encoded in [encoded, by_bands] {
+            for (view, expected) in encoded.views.iter().zip([&pair.left, &pair.right]) {
+                let found = texels(&gpu, &view.color);
+                assert_eq!(found.len(), expected.rgba8.len());
+                let channels = found.as_flattened().iter().zip(expected.rgba8.as_flattened());
+                let off: Vec<u8> = channels.map(|(a, b)| a.abs_diff(*b)).collect();
+                let differing = off.iter().filter(|&&by| by > 0).count();
+                println!("{size:?}, {} samples: {differing} of {} bytes differ", options.samples, off.len());
+                assert!(off.iter().all(|&by| by <= 1), "{size:?} {:?}", off.iter().max());
+                assert!(differing * 50 < off.len(), "{differing} of {}", off.len());
+            }
+            assert_eq!(read(&gpu, &encoded.unfinished), [0; 4]);
         }
     }
 }

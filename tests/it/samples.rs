@@ -387,7 +387,10 @@ fn what_cannot_be_sampled_is_refused_by_name() {
         .wait()
         .unwrap_err()
         .to_string();
-    assert!(message.starts_with("several samples per pixel can't be encoded in advance"), "{message}");
+    assert!(
+        message.starts_with("the depth of several samples per pixel (GBuffer::None asks for none) can't be encoded"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -122,7 +122,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
         module,
         Lighting { light, slot, first_ray, sources, seed, occlusion_radius, share_tolerance, bounces }
     );
-    assert_layout!(module, Display { exposure, filmic, words_read, _pad });
+    assert_layout!(module, Display { exposure, filmic, words_read, filter_kind });
     assert_layout!(module, Costs { least_spared, listed, disagreed, asked });
     assert_layout!(module, PathRay { ray, bounces, first, tolerance });
     assert_layout!(module, Frame { eyes, band, lighting, display, costs, paths });

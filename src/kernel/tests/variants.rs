@@ -6,7 +6,7 @@ use super::*;
 use crate::{
     ShadowReuse, ShadowRule,
     ask::shadow_buffer::Reading,
-    frame::show::{PACK, SHOW_COLOR, SHOW_DEPTH},
+    frame::show::{FILTER_SAMPLES, PACK, SHOW_COLOR, SHOW_DEPTH, SHOW_SAMPLES},
     kernel::traversal::{Boxes, Tracing, Traversal},
     kernel::variant::{Shadows, SkyKind},
     output::on_device::COMBINE,
@@ -42,7 +42,7 @@ use crate::{
     view::rig::{CameraModel, LensModel},
 };
 
-pub(super) const ALL: [&Kernel; 81] = [
+pub(super) const ALL: [&Kernel; 83] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &BEGIN_BOUNCED,
@@ -112,6 +112,8 @@ pub(super) const ALL: [&Kernel; 81] = [
     &TRACE_NAMELESS,
     &PACK,
     &SHOW_COLOR,
+    &SHOW_SAMPLES,
+    &FILTER_SAMPLES,
     &SHOW_DEPTH,
     &COMBINE,
     &PROJECT_MIDDLES,
