@@ -36,7 +36,8 @@ fn quad_around(eye: EarlierEye, point: vec3f, normal: vec3f, component: u32) -> 
     if !(place.y >= 0.0 && place.y + 1.0 < size.y) { return no_quad(); }
     let row = u32(place.y);
     // Samples of a row are offset from the centres of their pixels.
-    let columns = vec2f(place.x) - vec2f(row_offset(row), row_offset(row + 1u));
+    // Rows have the same offsets in both frames, since they have one seed if light is recalled.
+    let columns = vec2f(place.x) - vec2f(row_aside(row), row_aside(row + 1u));
     if !(all(columns >= vec2f(0.0)) && all(columns + 1.0 < vec2f(size.x))) { return no_quad(); }
     let upper = vec2u(u32(columns.x), row);
     let lower = vec2u(u32(columns.y), row + 1u);
@@ -64,10 +65,3 @@ fn depths_of(quad: EarlierQuad) -> vec4f { return bitcast<vec4f>(vec4u(quad.a.x,
 fn between_four(values: vec4f, way: vec3f) -> f32 {
     return mix(mix(values.x, values.y, way.x), mix(values.z, values.w, way.y), way.z);
 }
-
-//! if jitter is none
-fn row_offset(row: u32) -> f32 { return 0.0; }
-
-//! if jitter is rows
-// Returns the offset of a row's samples. It is the same in both frames, since they have one seed if light is recalled.
-fn row_offset(row: u32) -> f32 { return of_ray(sample_aside(U(row)), 0u); }

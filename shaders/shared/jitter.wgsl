@@ -32,6 +32,7 @@ fn hashed(words: U) -> U {
     return (word >> U(22u)) ^ word;
 }
 
+// Returns the same for one row.
 fn row_aside(row: u32) -> f32 {
     return of_ray(sample_aside(U(row)), 0u);
 }

@@ -4,7 +4,7 @@
 // triangles that are slightly larger, so rounding on the device loses no ray between two of them. In other scenes it
 // knows a box around each primitive (src/accel/outlines.rs).
 
-//! use counters, cutouts, lane, pixels, primitive, primitives, rays
+//! use counters, cutouts, fetch, lane, pixels, primitive, primitives, rays
 
 //! if tracing is ray_queries
 // The scene's primitives but its planes, in the tree's order: triangles, or boxes if BY_BOXES is set.
@@ -21,8 +21,10 @@ const ASK_NEAREST: u32 = 0u;   // the nearest triangle, which the device chooses
 const ASK_ALL: u32 = 1u;       // all primitives in the range, until a hit ends it
 const ASK_NEAR: u32 = 2u;      // all triangles at almost the t of the hit
 
-// Share of t within which the device's t of a triangle may differ from the kernels'.
+// Largest difference between the device's t of a triangle and the kernels': a share of t, and a share of the
+// coordinates.
 const T_SLACK: f32 = 1.0 / 16384.0;
+const PLACE_SLACK: f32 = 1.0 / 1048576.0;
 
 fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     var hits = Hits(t_max, MISS, select(0u, MISS, any_is_enough));
@@ -30,8 +32,11 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     let direction = of_ray3(rays.direction, 0u);
     let names_all = any_is_enough || BY_BOXES;
     var ask = select(ASK_NEAREST, ASK_ALL, names_all || CUTOUTS);
-    var near = t_min;
-    var far = t_max;
+    let places = largest_of(abs(rays.origin)) + largest_of(abs(bvh.grid_origin)) + bvh.extent;
+    let slack = places * PLACE_SLACK * inverseSqrt(dot(direction, direction));
+    // The kernels' test limits t to the exact range.
+    var near = max(t_min * (1.0 - T_SLACK) - slack, 0.0);
+    var far = min(t_max * (1.0 + T_SLACK) + slack, FAR);
     var query: ray_query;
     var ended = false;
     loop {
@@ -68,13 +73,15 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
         } else {
             // The device's t decided so far. Triangles at almost the same t are compared by the kernels' t.
             ask = ASK_NEAR;
-            near = max(hits.t * (1.0 - T_SLACK), t_min);
-            far = min(hits.t * (1.0 + T_SLACK), t_max);
+            near = max(hits.t * (1.0 - T_SLACK) - slack, 0.0);
+            far = min(hits.t * (1.0 + T_SLACK) + slack, FAR);
         }
     }
     cut_short |= !ended;
     return hits;
 }
+
+fn largest_of(v: vec3f) -> f32 { return max(max(v.x, v.y), v.z); }
 
 // Returns the hits after the test of a primitive, which is that of bvh.wgsl.
 fn hits_with(before: Hits, slot: u32, rays: Rays, t_min: f32) -> Hits {

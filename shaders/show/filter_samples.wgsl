@@ -1,7 +1,7 @@
 // Filters the samples of a view's pixels, in linear light, as src/sampling does on the host.
 //
 // launch  one thread per pixel of the picture
-// reads   samples  [side * height, side * width]  linear colour
+// reads   samples  [side * height, side * width]  exposed linear colour
 // writes  picture  [height, width]                sRGB-encoded, alpha 1
 
 //! use display, frame, jitter, lane, pixels
@@ -48,23 +48,26 @@ fn filter_samples(@builtin(global_invocation_id) id: vec3u) {
     loop {
         let down = f32(row) + 0.5 - centre.y;
         let aside = row_aside(u32(row));
-        var of_row = vec3f(0.0);
-        var weights_of_row = 0.0;
-        var column = first.x;
-        loop {
-            let across = f32(column) + 0.5 + aside - centre.x;
-            let weight = select(0.0, filter_weight(across / side), abs(across) < reach);
-            of_row += weight * textureLoad(samples, vec2i(column, row), 0).rgb;
-            weights_of_row += weight;
-            column += 1;
-            if column > last.x { break; }
+        if abs(down) < reach {
+            var of_row = vec3f(0.0);
+            var weights_of_row = 0.0;
+            var column = first.x;
+            loop {
+                let across = f32(column) + 0.5 + aside - centre.x;
+                let weight = select(0.0, filter_weight(across / side), abs(across) < reach);
+                of_row += weight * textureLoad(samples, vec2i(column, row), 0).rgb;
+                weights_of_row += weight;
+                column += 1;
+                if column > last.x { break; }
+            }
+            let weight = filter_weight(down / side);
+            color += weight / weights_of_row * of_row;
+            weights += weight;
         }
-        let weight = select(0.0, filter_weight(down / side), abs(down) < reach);
-        color += weight / weights_of_row * of_row;
-        weights += weight;
         row += 1;
         if row > last.y { break; }
     }
-    let light = F3(F(color.x / weights), F(color.y / weights), F(color.z / weights));
+    color /= weights * frame.display.exposure; // packed_srgb exposes again
+    let light = F3(F(color.x), F(color.y), F(color.z));
     textureStore(picture, id.xy, unpack4x8unorm(of_ray_u(packed_srgb(light), 0u)));
 }

@@ -3,7 +3,7 @@
 // launch  one thread per sample of the current rows
 // reads   linear_color  [rows * width]
 // reads   counters      [rows * COUNTERS]  CUT_SHORT
-// writes  picture       [height, width]    linear colour, at most the largest f16
+// writes  picture       [height, width]    exposed linear colour, at most the largest f16
 // adds    unfinished    [1]                number of threads that an adapter ended early
 
 //! use counters, frame, pixels
@@ -18,6 +18,6 @@ fn show_samples(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }
     count_unfinished(pixel);
-    let color = min(linear_color[pixel_index(pixel)], vec4f(65504.0));
+    let color = min(linear_color[pixel_index(pixel)] * frame.display.exposure, vec4f(65504.0));
     textureStore(picture, pixel + vec2u(0u, frame.band.first_row), color);
 }

@@ -6,7 +6,8 @@ use glam::{DVec3, Vec3};
 use super::bvh::boxes_of;
 use crate::{Scene, gpu::Outlines};
 
-/// Margin of each outline, as a share of the largest coordinate of any primitive. It covers the rounding of the
+/// Margin of each outline, as a share of the largest coordinate of any primitive, but at most the primitive's own size,
+/// so that small primitives beside huge ones do not all overlap. It covers the rounding of the
 /// device's and of the kernels' tests, for rays from up to a few times the scene's size away.
 const MARGIN: f64 = 1.0 / 131_072.0;
 /// Maximum distance that a corner of a triangle moves, in margins. The corner of a thin triangle would move far.
@@ -23,18 +24,29 @@ pub(crate) fn outlines_of(scene: &Scene, ids: &[u32]) -> Option<Outlines> {
         let all = || ids.iter().map(|&id| scene.triangles()[id as usize].corners.map(|corner| corner.as_dvec3()));
         let margin = farthest(all().flatten()) * MARGIN;
         let rounded = |corners: [DVec3; 3]| corners.map(|corner| corner.as_vec3().to_array());
-        return Some(Outlines::Triangles(all().map(|corners| rounded(widened(corners, margin))).collect()));
+        let wide = |corners: [DVec3; 3]| rounded(widened(corners, margin.min(size_of(&corners))));
+        return Some(Outlines::Triangles(all().map(wide).collect()));
     }
     let boxes: Vec<[Vec3; 2]> = boxes_of(scene).map(|one| [one.min.into(), one.max.into()]).collect();
     let own = || ids.iter().map(|&id| boxes[id as usize].map(|corner| corner.as_dvec3()));
-    let margin = DVec3::splat(farthest(own().flatten()) * MARGIN);
-    let wide = |[low, high]: [DVec3; 2]| [low - margin, high + margin].map(|corner| corner.as_vec3().to_array());
+    let margin = farthest(own().flatten()) * MARGIN;
+    let wide = |[low, high]: [DVec3; 2]| {
+        let margin = margin.min(size_of(&[low, high]));
+        [low - margin, high + margin].map(|corner| corner.as_vec3().to_array())
+    };
     Some(Outlines::Boxes(own().map(wide).collect()))
 }
 
 /// Returns the largest coordinate.
 fn farthest(corners: impl Iterator<Item = DVec3>) -> f64 {
     corners.fold(0.0, |most, corner| most.max(corner.abs().max_element()))
+}
+
+/// Returns the longest side of the box around a primitive's corners.
+fn size_of(corners: &[DVec3]) -> f64 {
+    let low = corners.iter().fold(DVec3::MAX, |low, corner| low.min(*corner));
+    let high = corners.iter().fold(DVec3::MIN, |high, corner| high.max(*corner));
+    (high - low).max_element()
 }
 
 /// Moves a triangle's edges outwards by a margin, in its plane.

@@ -46,15 +46,16 @@ impl Acceleration {
 const VERTEX_BYTES: u64 = size_of::<[f32; 3]>() as u64;
 
 impl Gpu {
-    /// Returns the maximum number of primitives of an acceleration structure; 0 without ray queries.
-    pub(crate) fn most_queried(&self) -> u64 {
-        let limits = &self.limits;
-        let whole = limits.max_buffer_size / size_of::<[[f32; 3]; 3]>() as u64;
-        if self.has_ray_queries() { u64::from(limits.max_blas_primitive_count).min(whole) } else { 0 }
+    /// Returns whether ray queries can search these outlines.
+    pub(crate) fn can_accelerate(&self, outlines: &Outlines) -> bool {
+        // wgpu compares the number of vertices with the limit of primitives.
+        let corners = if let Outlines::Triangles(_) = outlines { 3 } else { 1 };
+        let most = u64::from(self.limits.max_blas_primitive_count) / corners;
+        let fits = outlines.bytes().len() as u64 <= self.limits.max_buffer_size;
+        self.has_ray_queries() && outlines.count() as u64 <= most && fits
     }
 
-    /// Builds an acceleration structure. There must be at least one primitive, and no more than
-    /// [`Gpu::most_queried`].
+    /// Builds an acceleration structure. There must be at least one primitive, and [`Gpu::can_accelerate`] must hold.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].

@@ -77,13 +77,16 @@ impl Gpu {
     pub async fn open(adapter: impl Into<Adapter>) -> Result<Self, Error> {
         let adapter = adapter.into().find().await?;
         let wanted = std::env::var_os(RAY_QUERIES_VARIABLE).is_some_and(|value| value == "1");
-        Self::request(&adapter, wanted && adapter.features().contains(RAY_QUERIES)).await
+        match wanted && adapter.features().contains(RAY_QUERIES) {
+            true => Self::request(&adapter, true).await?.with_ray_queries(),
+            false => Self::request(&adapter, false).await,
+        }
     }
 
-    /// Opens a device as [`Gpu::open`] does, which traces rays by ray queries, in hardware where there is some. wgpu
-    /// calls its ray queries experimental: they may have faults that safe code can meet. The environment variable
-    /// `STEREOTRACE_RAY_QUERIES=1` makes [`Gpu::open`] use them on adapters that have them. See
-    /// [`Gpu::has_ray_queries`].
+    /// Opens a device as [`Gpu::open`] does. Renderers on it trace rays by ray queries, in hardware where there is
+    /// some ([`Gpu::with_ray_queries`]). wgpu calls its ray queries experimental: they may have faults that safe code
+    /// can meet. The environment variable `STEREOTRACE_RAY_QUERIES=1` makes [`Gpu::open`] use them on adapters that
+    /// have them.
     ///
     /// # Errors
     /// The errors of [`Gpu::open`]; [`Error::NoAdapter`] if the adapter has no ray queries.
@@ -93,7 +96,7 @@ impl Gpu {
             let reason = format!("{} has none", describe(&adapter.get_info()));
             return Err(Error::NoAdapter { wanted: " with ray queries".into(), reason });
         }
-        Self::request(&adapter, true).await
+        Self::request(&adapter, true).await?.with_ray_queries()
     }
 
     async fn request(adapter: &wgpu::Adapter, ray_queries: bool) -> Result<Self, Error> {
@@ -173,7 +176,7 @@ impl Gpu {
             info: device.adapter_info(),
             limits,
             timestamps: device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
-            ray_queries: can_query_rays(&device),
+            ray_queries: false,
             lost: Arc::default(),
             pipelines: Arc::default(),
             counted: Arc::default(),
@@ -224,11 +227,26 @@ impl Gpu {
         self.counted.so_far()
     }
 
-    /// Returns whether the device has ray queries: those of a device that was opened with them, or that the caller
-    /// created with the feature `EXPERIMENTAL_RAY_QUERY` and the limits of
-    /// `wgpu::Limits::using_minimum_supported_acceleration_structure_values`. Renderers on it then trace all rays by
-    /// queries. In scenes with spheres or ellipsoids hits are the same as without. In scenes of triangles only, a ray
-    /// through an edge may hit the other triangle there. Within one run, all eyes and methods find the same.
+    /// Lets renderers on this device trace rays by ray queries. A caller's device must have been created with the
+    /// feature `EXPERIMENTAL_RAY_QUERY`, with limits for acceleration structures, such as those of
+    /// `wgpu::Limits::using_minimum_supported_acceleration_structure_values`, and with one more binding per bind group
+    /// than [`Gpu::required_limits`].
+    ///
+    /// Hits are those of the kernels' own traversal, but a ray may miss a triangle that it sees edge-on. Kernels that
+    /// count or run in several dispatches, and those that draw primitives, use no queries.
+    ///
+    /// # Errors
+    /// [`Error::NoAdapter`] if the device lacks the feature or a limit.
+    pub fn with_ray_queries(mut self) -> Result<Self, Error> {
+        if let Some(lacking) = lacking_for_ray_queries(&self.device) {
+            let reason = format!("the device of {} lacks {lacking}", self.adapter_name());
+            return Err(Error::NoAdapter { wanted: " with ray queries".into(), reason });
+        }
+        self.ray_queries = true;
+        Ok(self)
+    }
+
+    /// Returns whether renderers on this device trace rays by ray queries ([`Gpu::with_ray_queries`]).
     pub fn has_ray_queries(&self) -> bool {
         self.ray_queries
     }
@@ -290,14 +308,24 @@ fn experimental_features() -> wgpu::ExperimentalFeatures {
     unsafe { wgpu::ExperimentalFeatures::enabled() }
 }
 
-/// Returns whether kernels can bind an acceleration structure in addition to their other resources.
-fn can_query_rays(device: &wgpu::Device) -> bool {
+/// Returns the feature or limit that a device lacks for ray queries. Kernels bind an acceleration structure in addition
+/// to their other resources.
+fn lacking_for_ray_queries(device: &wgpu::Device) -> Option<&'static str> {
     let limits = device.limits();
-    let others = limits_over(limits.clone()).max_buffers_and_acceleration_structures_per_shader_stage;
-    device.features().contains(RAY_QUERIES)
-        && limits.max_acceleration_structures_per_shader_stage > 0
-        && limits.max_tlas_instance_count > 0
-        && limits.max_buffers_and_acceleration_structures_per_shader_stage > others
+    let others = limits_over(limits.clone());
+    let needs = [
+        (device.features().contains(RAY_QUERIES), "EXPERIMENTAL_RAY_QUERY"),
+        (limits.max_bindings_per_bind_group > others.max_bindings_per_bind_group, "max_bindings_per_bind_group"),
+        (
+            limits.max_buffers_and_acceleration_structures_per_shader_stage
+                > others.max_buffers_and_acceleration_structures_per_shader_stage,
+            "max_buffers_and_acceleration_structures_per_shader_stage",
+        ),
+        (limits.max_acceleration_structures_per_shader_stage > 0, "max_acceleration_structures_per_shader_stage"),
+        (limits.max_tlas_instance_count > 0, "max_tlas_instance_count"),
+        (limits.max_blas_geometry_count > 0, "max_blas_geometry_count"),
+    ];
+    needs.into_iter().find(|(is_there, _)| !is_there).map(|(_, name)| name)
 }
 
 #[cfg(test)]

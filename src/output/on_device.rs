@@ -56,8 +56,9 @@ impl Combining {
 impl Renderer {
     /// Encodes one picture of both eyes' pictures, such as [`EncodedView::color`](crate::EncodedView::color) of a frame
     /// in the same encoder or an earlier one. Both are sRGB-encoded, `Rgba8Unorm`, with the usage `TEXTURE_BINDING`.
-    /// The result is alike, has alpha 1, and can also be copied. Its bytes are those of [`Combination::picture`]; where
-    /// light is mixed, a byte may differ by 1, since devices approximate the sRGB curve.
+    /// The result has the same format, alpha 1, and can also be copied. Its bytes are those of
+    /// [`Combination::picture`]; where light is mixed, a byte may differ by 1, since devices approximate the sRGB
+    /// curve.
     ///
     /// # Errors
     /// [`Error::Sizes`] if the pictures differ in size; [`Error::Limit`] if the result is larger than the adapter's

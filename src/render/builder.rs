@@ -102,7 +102,7 @@ impl<C: Clone + Into<Rig>> FrameBuilder<'_, C> {
     /// if its rays take more rounds than the adapter grants. [`Encoded::unfinished`] counts such threads.
     ///
     /// Several samples per pixel ([`Options::samples`]) are filtered on the device. Their bytes may differ by 1 from
-    /// those that are read back, since samples are kept as f16. Depth is not available then.
+    /// those that are read back, since samples are kept as f16, in 8 bytes each. Depth is not available then.
     ///
     /// # Errors
     /// Those of [`FrameBuilder::read`]; [`Error::Encoding`] for a method with a stage on the host, and for options that

@@ -368,7 +368,8 @@ impl Renderer {
         let build = started.elapsed();
         let gpu = &self.gpu;
         let fetch = fetch_that_fits(gpu, traversal.fetch, scene, &packed)?;
-        let acceleration = self.accelerated(scene, &packed.ids, traversal).await?;
+        let wanted = traversal.tracing(self.traversal.tracing);
+        let acceleration = self.accelerated(scene, &packed.ids, wanted).await?;
         let tracing = if acceleration.is_some() { Tracing::RayQueries } else { Tracing::Kernels };
         let traversal = traversal.fetch(fetch).tracing(tracing);
         let texels = GeometryTexels::new(&packed, fetch);
@@ -426,9 +427,11 @@ impl Renderer {
             return Ok(None);
         }
         let Some(outlines) = outlines_of(scene, ids) else { return Ok(None) };
-        let (count, most) = (outlines.count() as u64, self.gpu.most_queried());
-        if count > most {
-            log::info!("ray queries take at most {most} primitives on this device: kernels trace all {count}");
+        if !self.gpu.can_accelerate(&outlines) {
+            log::info!(
+                "{} primitives are too many for this device's ray queries: kernels trace them",
+                outlines.count()
+            );
             return Ok(None);
         }
         self.gpu.accelerate(&outlines).await.map(Some)
