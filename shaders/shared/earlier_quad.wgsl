@@ -1,6 +1,6 @@
 // The four samples of an earlier frame around a point (docs/BRACKET.md, "Earlier frames").
 
-//! use history, jitter, lane
+//! use history, jitter
 
 // The samples, and where the point is between them.
 struct EarlierQuad {
