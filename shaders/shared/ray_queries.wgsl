@@ -16,7 +16,8 @@ const FORCE_OPAQUE: u32 = 1u;
 const FORCE_NO_OPAQUE: u32 = 2u;
 const NOTHING_MET: u32 = 0u;
 
-// What a query asks for. All queries of a ray are of one variable, since drivers keep the stack of each in memory.
+// What a query asks for. One variable serves all queries of a ray, since drivers keep a stack in memory for each
+// variable.
 const ASK_NEAREST: u32 = 0u;   // the nearest triangle, which the device chooses
 const ASK_ALL: u32 = 1u;       // all primitives in the range, until a hit ends it
 const ASK_NEAR: u32 = 2u;      // all triangles at almost the t of the hit

@@ -1,6 +1,6 @@
 //! Rows of views, delivered as they finish.
 
-use super::targets::MOST_BYTES;
+use super::targets::{MOST_BYTES, too_large};
 use crate::{
     Error, GBuffer, Options, PixelSource, ShadowSource, View,
     kernel::layout::{LightParts, Noisy},
@@ -72,12 +72,10 @@ impl ViewRows {
         .sum();
         let views = eyes.sources.len();
         let needed = pixels.saturating_mul(each).saturating_mul(views as u64);
-        let refused = || Error::Limit {
-            what: counted(views, "view", "views") + &format!(" of {width}x{height}"),
-            needed: format!("{} MiB", needed >> 20),
-            limit: "memory for whole pictures",
-            allowed: format!("{} MiB", MOST_BYTES >> 20),
-            remedy: "render fewer or smaller views at a time, or receive rows as they finish (FrameBuilder::rows)",
+        let refused = || {
+            let what = counted(views, "view", "views") + &format!(" of {width}x{height}");
+            let remedy = "render fewer or smaller views at a time, or receive rows as they finish (FrameBuilder::rows)";
+            too_large(what, needed, remedy)
         };
         if needed > MOST_BYTES {
             return Err(refused());

@@ -225,6 +225,17 @@ pub(crate) fn proposed_bytes(pixels: u64) -> u64 {
 /// a rig of many large views would take all of it.
 pub(crate) const MOST_BYTES: u64 = 8 << 30;
 
+/// Returns the error for data of whole pictures that need more than [`MOST_BYTES`].
+pub(crate) fn too_large(what: String, needed: u64, remedy: &'static str) -> Error {
+    Error::Limit {
+        what,
+        needed: format!("{} MiB", needed >> 20),
+        limit: "memory for whole pictures",
+        allowed: format!("{} MiB", MOST_BYTES >> 20),
+        remedy,
+    }
+}
+
 impl Targets {
     /// # Errors
     /// [`Error::Limit`] for a picture that the adapter cannot bind.

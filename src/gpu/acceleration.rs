@@ -9,7 +9,7 @@ pub(crate) const ACCELERATION: wgpu::BindingType = wgpu::BindingType::Accelerati
 /// Features that ray queries need.
 pub(super) const RAY_QUERIES: wgpu::Features = wgpu::Features::EXPERIMENTAL_RAY_QUERY;
 
-/// What the device finds along a ray: the corners of each triangle, or the low and the high corner of each box.
+/// Shapes that the device searches: triangles by their corners, or boxes by their low and high corners.
 #[derive(Debug)]
 pub(crate) enum Outlines {
     Triangles(Vec<[[f32; 3]; 3]>),
@@ -42,8 +42,8 @@ impl Acceleration {
     }
 }
 
-/// Size of the corners of a triangle's vertex, in bytes.
-const VERTEX_BYTES: u64 = size_of::<[f32; 3]>() as u64;
+/// Size of a corner in bytes.
+const CORNER_BYTES: u64 = size_of::<[f32; 3]>() as u64;
 
 impl Gpu {
     /// Returns whether ray queries can search these outlines.
@@ -106,7 +106,7 @@ impl Gpu {
                     size: &size,
                     vertex_buffer: &buffer,
                     first_vertex: 0,
-                    vertex_stride: VERTEX_BYTES,
+                    vertex_stride: CORNER_BYTES,
                     index_buffer: None,
                     first_index: None,
                     transform_buffer: None,
@@ -121,7 +121,7 @@ impl Gpu {
                 place(&blas);
                 let boxes = wgpu::BlasAabbGeometry {
                     size: &size,
-                    stride: 2 * VERTEX_BYTES,
+                    stride: 2 * CORNER_BYTES,
                     aabb_buffer: &buffer,
                     primitive_offset: 0,
                 };
@@ -129,7 +129,7 @@ impl Gpu {
                 encoder.build_acceleration_structures([&wgpu::BlasBuildEntry { blas: &blas, geometry }], [&scene]);
             }
         }
-        self.queue.submit([encoder.finish()]);
+        self.submit([encoder.finish()]);
         Acceleration(scene)
     }
 }

@@ -60,8 +60,8 @@ pub enum Tracing {
     RayQueries,
 }
 
-/// A variant of the traversal. It affects the time only, not the picture, but for [`Tracing::RayQueries`] in scenes of
-/// triangles: a ray through an edge may hit the other triangle there.
+/// A variant of the traversal. It affects the time only, not the picture, but for [`Tracing::RayQueries`]: a ray may
+/// miss a triangle that it sees edge-on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Traversal {
@@ -79,7 +79,7 @@ pub struct Traversal {
 
 impl Traversal {
     /// Returns the fastest variant for an adapter: on CPU adapters by measurement (docs/TRAVERSAL.md), on GPUs by
-    /// convention. A device that was opened with ray queries uses them.
+    /// convention. Ray queries are used if the device has them ([`Gpu::has_ray_queries`]).
     pub fn of(gpu: &Gpu) -> Self {
         let usual = match gpu.adapter_info().device_type {
             wgpu::DeviceType::Cpu => Self::CPU,

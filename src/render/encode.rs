@@ -11,7 +11,7 @@ use crate::{
         history::Recall,
         plan::Plan,
         show::{SHOW_COLOR, SHOW_DEPTH, SHOW_SAMPLES},
-        targets::{MOST_BYTES, Targets},
+        targets::{MOST_BYTES, Targets, too_large},
         uniforms::uniforms_bytes,
     },
     kernel::Resource,
@@ -227,13 +227,7 @@ fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), E
     let [width, height] = eyes.pose.size.map(u64::from);
     let needed = if options.samples > 1 { 8 * width * height * eyes.sources.len() as u64 } else { 0 };
     if needed > MOST_BYTES {
-        return Err(Error::Limit {
-            what: "the samples of all views in textures".into(),
-            needed: format!("{} MiB", needed >> 20),
-            limit: "memory for whole pictures",
-            allowed: format!("{} MiB", MOST_BYTES >> 20),
-            remedy: "use fewer samples or pixels",
-        });
+        return Err(too_large("the samples of all views in textures".into(), needed, "use fewer samples or pixels"));
     }
     let ([width, height], side) = (eyes.pose.size, gpu.limits.max_texture_dimension_2d);
     if width.max(height) > side {

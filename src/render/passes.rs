@@ -4,7 +4,10 @@ use super::frame::Done;
 use crate::{
     Error, GBuffer, Lighting, Options, Rig, Tone, UploadedScene,
     ask::options::Pass,
-    frame::{ViewRows, targets::MOST_BYTES},
+    frame::{
+        ViewRows,
+        targets::{MOST_BYTES, too_large},
+    },
     sampling::PartSums,
 };
 
@@ -144,13 +147,8 @@ impl Begun {
         let parts: usize = views.iter().map(|rows| rows.parts.len()).sum();
         let needed = pixels * size_of::<[f64; 3]>() + parts * size_of::<PartSums>();
         if needed as u64 > MOST_BYTES {
-            return Err(Error::Limit {
-                what: "the sums of a picture in passes".into(),
-                needed: format!("{} MiB", needed >> 20),
-                limit: "memory for whole pictures",
-                allowed: format!("{} MiB", MOST_BYTES >> 20),
-                remedy: "render a smaller picture, or all paths in one pass",
-            });
+            let what = "the sums of a picture in passes".into();
+            return Err(too_large(what, needed as u64, "render a smaller picture, or all paths in one pass"));
         }
         let rows = |rows: &ViewRows| {
             let mut rows = rows.clone();

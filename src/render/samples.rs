@@ -11,7 +11,11 @@ use super::frame::Done;
 use crate::{
     Error, GBuffer, Lighting, OnProgress, Options, Progress, Renderer, UploadedScene,
     ask::samples::side_of,
-    frame::{OnRows, Rows, targets::MOST_BYTES, wanted::Wanted},
+    frame::{
+        OnRows, Rows,
+        targets::{MOST_BYTES, too_large},
+        wanted::Wanted,
+    },
     message::counted,
     sampling,
     view::rig::Eyes,
@@ -100,17 +104,9 @@ pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> R
     if needed <= MOST_BYTES || !pictures {
         return Ok(());
     }
-    Err(Error::Limit {
-        what: format!(
-            "depth and ids of {} of {width}x{height} with {} samples per pixel",
-            counted(views, "view", "views"),
-            options.samples
-        ),
-        needed: format!("{} MiB", needed >> 20),
-        limit: "memory for whole pictures",
-        allowed: format!("{} MiB", MOST_BYTES >> 20),
-        remedy: "use 9, 25 or 49 samples without jitter, or only colours (GBuffer::None)",
-    })
+    let (views, samples) = (counted(views, "view", "views"), options.samples);
+    let what = format!("depth and ids of {views} of {width}x{height} with {samples} samples per pixel");
+    Err(too_large(what, needed, "use 9, 25 or 49 samples without jitter, or only colours (GBuffer::None)"))
 }
 
 /// Replaces the description of a limit error. The larger picture has a size that the caller did not give.
