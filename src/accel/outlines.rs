@@ -68,7 +68,7 @@ mod tests {
     fn edges_move_outwards_by_the_margin_and_corners_not_far() {
         let flat = |x: f64, y: f64| DVec3::new(x, y, 0.5 * x - y);
         let right = [flat(0.0, 0.0), flat(3.0, 0.0), flat(0.0, 2.0)];
-        let blunt = [flat(0.0, 0.0), flat(1.0, 0.01), flat(2.0, 0.0)];
+        let blunt = [flat(0.0, 0.0), flat(1.0, 0.1), flat(2.0, 0.0)];
         for corners in [right, blunt] {
             let moved = widened(corners, 1e-3);
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
