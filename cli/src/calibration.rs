@@ -20,10 +20,10 @@ pub(crate) fn renderer(gpu: Gpu, measure: bool) -> Result<Renderer, Error> {
     let mut renderer = Renderer::new(gpu);
     if measure {
         let found = renderer.calibrate().wait()?;
-        log::info!("calibration: search {}, shadow {}", found.search, found.shadow);
+        log::info!("calibration: {found:?}");
         keep_for(renderer.gpu(), found);
     } else if let Some(found) = file().and_then(|file| kept(&file, &key(renderer.gpu()))) {
-        log::info!("calibration: search {}, shadow {}, as kept", found.search, found.shadow);
+        log::info!("calibration: {found:?}, as kept");
         renderer.set_calibration(found);
     }
     Ok(renderer)
@@ -63,7 +63,11 @@ fn all(file: &Path) -> Option<serde_json::Map<String, Value>> {
 fn kept(file: &Path, key: &str) -> Option<Calibration> {
     let found = all(file)?.remove(key)?;
     let number = |name: &str| found[name].as_f64().map(|value| value as f32).filter(|value| value.is_finite());
-    let calibration = number("search").zip(number("shadow")).map(|(search, shadow)| Calibration { search, shadow });
+    let read = || {
+        let [ray_seconds, search, shadow] = [number("ray_seconds")?, number("search")?, number("shadow")?];
+        Some(Calibration { ray_seconds, search, shadow })
+    };
+    let calibration = read();
     if calibration.is_none() {
         log::warn!("{}: the calibration of {key} is not one; it is ignored", shown(file));
     }
@@ -74,7 +78,9 @@ fn keep(file: &Path, key: &str, found: Calibration) -> Result<(), Box<dyn std::e
     let folder = file.parent().map(PathBuf::from).unwrap_or_default();
     fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", shown(&folder)))?;
     let mut all = all(file).unwrap_or_default();
-    all.insert(key.into(), json!({ "search": found.search, "shadow": found.shadow }));
+    let Calibration { ray_seconds, search, shadow } = found;
+    let costs = json!({ "ray_seconds": ray_seconds, "search": search, "shadow": shadow });
+    all.insert(key.into(), costs);
     write_whole(file, format!("{:#}\n", Value::Object(all)).as_bytes())?;
     Ok(())
 }
@@ -87,7 +93,11 @@ mod tests {
     fn what_is_kept_is_found_again_for_the_same_adapter_alone() {
         let folder = std::env::temp_dir().join(format!("stereotrace-calibration-{}", std::process::id()));
         let file = folder.join(FILE);
-        let [one, other] = [(0.5, 0.25), (1.5, 0.75)].map(|(search, shadow)| Calibration { search, shadow });
+        let [one, other] = [(1e-9, 0.5, 0.25), (0.0, 1.5, 0.75)].map(|(ray_seconds, search, shadow)| Calibration {
+            ray_seconds,
+            search,
+            shadow,
+        });
         assert_eq!(kept(&file, "a"), None);
         keep(&file, "a", other).unwrap();
         keep(&file, "a", one).unwrap();

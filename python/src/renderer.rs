@@ -207,9 +207,9 @@ impl Renderer {
     }
 }
 
-/// Returns the costs of a calibration.
-fn pair_of(calibration: Calibration) -> (f32, f32) {
-    (calibration.search, calibration.shadow)
+/// Returns the numbers of a calibration.
+fn numbers_of(calibration: Calibration) -> (f32, f32, f32) {
+    (calibration.ray_seconds, calibration.search, calibration.shadow)
 }
 
 #[pymethods]
@@ -642,27 +642,30 @@ impl Renderer {
     }
 
     /// Measures the adapter for the method ``auto``, which chooses by the result from now on. Returns it:
-    /// (search, shadow), the costs per pixel of finding the right view's surfaces by ``bracket``, and of a shadow ray
-    /// that it saves, in primary rays.
-    fn calibrate(&self, py: Python<'_>) -> PyResult<(f32, f32)> {
-        self.with_stage(py, |stage| stage.renderer.calibrate().wait().map(pair_of))
+    /// (ray_seconds, search, shadow), the time of a primary ray, the cost per pixel of finding the right view's
+    /// surfaces by ``bracket``, and that of a shadow ray that it saves, in primary rays.
+    fn calibrate(&self, py: Python<'_>) -> PyResult<(f32, f32, f32)> {
+        self.with_stage(py, |stage| stage.renderer.calibrate().wait().map(numbers_of))
     }
 
-    /// What the method ``auto`` chooses by: (search, shadow), see :meth:`calibrate`. The result of an earlier
-    /// calibration of the same adapter and driver can be set.
+    /// What the method ``auto`` chooses by: (ray_seconds, search, shadow), see :meth:`calibrate`. The time is 0 if it is
+    /// not measured. The result of an earlier calibration of the same adapter and driver can be set.
     #[getter]
-    fn calibration(&self, py: Python<'_>) -> PyResult<(f32, f32)> {
-        self.with_stage(py, |stage| Ok(pair_of(stage.renderer.calibration())))
+    fn calibration(&self, py: Python<'_>) -> PyResult<(f32, f32, f32)> {
+        self.with_stage(py, |stage| Ok(numbers_of(stage.renderer.calibration())))
     }
 
     #[setter]
-    fn set_calibration(&self, py: Python<'_>, costs: (f32, f32)) -> PyResult<()> {
-        let (search, shadow) = costs;
-        if !(search.is_finite() && shadow.is_finite() && shadow > 0.0) {
-            return Err(refused("calibration: both costs must be finite, and the second above 0"));
+    fn set_calibration(&self, py: Python<'_>, numbers: (f32, f32, f32)) -> PyResult<()> {
+        let (ray_seconds, search, shadow) = numbers;
+        if !(ray_seconds.is_finite() && ray_seconds >= 0.0 && search.is_finite() && shadow.is_finite() && shadow > 0.0)
+        {
+            return Err(refused(
+                "calibration: all numbers must be finite, the time of a ray at least 0 and the last cost above 0",
+            ));
         }
         self.with_stage(py, |stage| {
-            stage.renderer.set_calibration(Calibration { search, shadow });
+            stage.renderer.set_calibration(Calibration { ray_seconds, search, shadow });
             Ok(())
         })
     }

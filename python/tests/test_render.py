@@ -245,13 +245,15 @@ def test_auto_chooses_by_a_calibration(hall):
     renderer = Renderer()
     camera = hall.camera(size=(64, 48))
     usual = renderer.calibration
-    renderer.calibration = (1e6, usual[1])
+    assert usual[0] == 0
+    renderer.calibration = (0, 1e6, usual[2])
     assert renderer.render(hall, camera).statistics["method"] == "naive"
-    renderer.calibration = (0, usual[1])
+    renderer.calibration = (0, 0, usual[2])
     assert renderer.render(hall, camera).statistics["method"] == "bracket"
-    search, shadow = renderer.calibrate()
-    assert renderer.calibration == (search, shadow) and shadow > 0 and search == search
-    for wrong in [(float("nan"), 1), (1, 0)]:
+    ray_seconds, search, shadow = renderer.calibrate()
+    assert renderer.calibration == (ray_seconds, search, shadow)
+    assert 0 < ray_seconds < 1e-3 and shadow > 0 and search == search
+    for wrong in [(0, float("nan"), 1), (0, 1, 0), (-1, 1, 1), (float("inf"), 1, 1)]:
         with pytest.raises(ValueError, match="calibration"):
             renderer.calibration = wrong
 

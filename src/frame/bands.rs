@@ -20,15 +20,29 @@ pub(crate) fn fewest_rows(height: u32) -> u32 {
     if height <= WHOLE { height } else { WHOLE + 2 * HALO }
 }
 
-/// Returns the approximate number of pixels of a band, for up to five lights. More lights reduce it. On a software
-/// adapter this number corresponds to about 1.5 million rays. A GPU needs work for thousands of threads, but its
-/// watchdog ends a submission after a second or more. A slow GPU traces eight times as many rays in a fifth of that
-/// time.
-pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
+/// Approximate number of rays per pixel of a submission, by which bands are sized. More lights reduce the pixels.
+pub(crate) const RAYS_PER_PIXEL: u32 = 6;
+
+/// Time that a submission to a GPU may take by its measured time of a ray, in seconds. A watchdog ends submissions of
+/// two seconds or more, and scenes are several times as slow as those that are measured.
+const SUBMISSION_SECONDS: f32 = 0.25;
+
+/// Returns the approximate number of pixels of a band, for [`RAYS_PER_PIXEL`] rays of both eyes. On a software adapter
+/// this number corresponds to about 1.5 million rays per eye. A GPU needs work for thousands of threads, but its
+/// watchdog ends a submission after a second or more. A GPU with slow rays gets smaller bands, if they are measured.
+pub(crate) fn band_pixels(gpu: &Gpu, ray_seconds: f32) -> u32 {
     match gpu.adapter_info().device_type {
         wgpu::DeviceType::Cpu => 1 << 18,
-        _ => 1 << 21,
+        _ => gpu_band_pixels(ray_seconds),
     }
+}
+
+fn gpu_band_pixels(ray_seconds: f32) -> u32 {
+    let seconds_per_pixel = ray_seconds * 2.0 * RAYS_PER_PIXEL as f32;
+    // The cast of an infinite number, for rays without a measured time, is the largest number. A time that is no number
+    // counts as none.
+    let pixels = if seconds_per_pixel > 0.0 { SUBMISSION_SECONDS / seconds_per_pixel } else { f32::INFINITY };
+    (pixels as u32).clamp(1 << 14, 1 << 21)
 }
 
 /// Maximum size of the buffers in which the results of bands wait for the host. There are always two.
@@ -124,6 +138,18 @@ impl Band {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_band_of_a_gpu_takes_a_quarter_of_a_second_by_its_measured_rays_at_most() {
+        for unmeasured in [0.0, -1.0, f32::NAN, 1e-9, 9e-9] {
+            assert_eq!(gpu_band_pixels(unmeasured), 1 << 21, "{unmeasured}");
+        }
+        for ray in [2e-8, 1e-7, 1e-6] {
+            let seconds = gpu_band_pixels(ray) as f32 * ray * 2.0 * RAYS_PER_PIXEL as f32;
+            assert!((0.24..=0.25).contains(&seconds), "{ray}: {seconds}");
+        }
+        assert_eq!([1.0, f32::INFINITY].map(gpu_band_pixels), [1 << 14; 2]);
+    }
 
     #[test]
     fn bands_are_whole_workgroups_and_cover_a_picture_once() {

@@ -31,8 +31,8 @@ use crate::{
 };
 use slots::Slots;
 
-/// Number of steps per submission.
-const MOST_STEPS: usize = 96;
+/// Maximum number of steps per submission: of a band with as many pixels as bands have at most, and of smaller ones.
+const MOST_STEPS: [u32; 2] = [24, 96];
 
 /// The device, and the objects that a renderer keeps between frames.
 pub(crate) struct Engine<'a> {
@@ -42,6 +42,8 @@ pub(crate) struct Engine<'a> {
     pub(crate) slots: &'a mut Option<wgpu::Buffer>,
     /// Timestamps, if the frame is timed.
     pub(crate) timestamps: Option<&'a mut Timestamps>,
+    /// Number of pixels of usual bands.
+    pub(crate) band_pixels: u32,
 }
 
 /// Inputs of a frame. Only the rows in the uniforms change while it is rendered.
@@ -63,6 +65,7 @@ pub(crate) struct Driver<'a> {
     variant: Variant,
     targets: &'a Targets,
     executor: Executor<'a>,
+    band_pixels: u32,
     /// Resources that steps bind, for each view.
     resources: Vec<Resources>,
     /// Uniforms of each view, with the rows of the current band.
@@ -82,7 +85,7 @@ pub(crate) struct Driver<'a> {
 impl<'a> Driver<'a> {
     /// Creates the driver of a frame, and discards the timestamps of the last frame.
     pub(crate) fn new(engine: Engine<'a>, setting: Setting<'a>, progress: &'a mut OnProgress<'a>) -> Self {
-        let Engine { gpu, kernels, slots, mut timestamps } = engine;
+        let Engine { gpu, kernels, slots, mut timestamps, band_pixels } = engine;
         let Setting { eyes, variant, targets, uniforms, shared, history } = setting;
         if let Some(timestamps) = &mut timestamps {
             timestamps.restart();
@@ -100,6 +103,7 @@ impl<'a> Driver<'a> {
             variant,
             targets,
             executor: Executor::new(gpu, kernels, Some(&targets.indirect), timestamps),
+            band_pixels,
             resources: views.map(resources).collect(),
             uniforms,
             slots: Slots::new(slots),
@@ -200,8 +204,17 @@ impl Driver<'_> {
         heads
     }
 
+    /// Returns the number of steps per submission. Steps of paths and mirrors trace up to one ray per pixel each, so that
+    /// too many at once would take too long for a GPU's watchdog.
+    fn steps_at_once(&self) -> usize {
+        let shape = &self.targets.shape;
+        let pixels = u64::from(shape.size[0]) * u64::from(shape.bands.rows);
+        let [few, many] = MOST_STEPS.map(u64::from);
+        (few * u64::from(self.band_pixels) / pixels).clamp(few, many) as usize
+    }
+
     /// Runs all stages of a band. Returns the commands that are not submitted yet. If there are many steps, as with
-    /// paths, they are submitted in parts, of which two are in flight.
+    /// paths, they are submitted in parts. While the host waits for a part, the device works at the next one.
     pub(crate) async fn band(&mut self, plan: &Plan, band: &Band) -> Result<wgpu::CommandEncoder, Error> {
         let gpu = self.gpu;
         let mut encoder = self.encoder();
@@ -212,20 +225,20 @@ impl Driver<'_> {
             Ok(())
         };
         gpu.checked(begin).await?;
-        let all = plan.step_count() as f32;
+        let (all, most) = (plan.step_count() as f32, self.steps_at_once());
         let mut encoded = 0;
         let mut flight: Option<Submission> = None;
         for stage in &plan.stages {
             match stage {
                 Stage::Steps(steps) => {
-                    for steps in steps.chunks(MOST_STEPS) {
-                        if encoded >= MOST_STEPS {
+                    for steps in steps.chunks(most) {
+                        if encoded >= most {
                             let before = std::mem::replace(&mut encoder, self.encoder());
                             let submitted = gpu.checked(|| Ok(gpu.submit([before.finish()]))).await?;
                             if let Some(before) = flight.replace(submitted) {
                                 gpu.finished(before).await?;
                             }
-                            self.tell(plan.name(), band.count() as f32 * (encoded - MOST_STEPS) as f32 / all)?;
+                            self.tell(plan.name(), band.count() as f32 * (encoded - most) as f32 / all)?;
                         }
                         let encode = || {
                             self.encode_all(&mut encoder, steps);

@@ -17,6 +17,6 @@ pub(crate) mod view;
 pub(crate) mod wanted;
 pub(crate) mod work;
 
-pub(crate) use bands::{Band, Bands, band_pixels, fewest_rows, read_back_bytes};
+pub(crate) use bands::{Band, Bands, RAYS_PER_PIXEL, band_pixels, fewest_rows, read_back_bytes};
 pub use rows::{OnRows, Rows, ViewRows};
 pub(crate) use targets::Cache;

@@ -60,6 +60,9 @@ impl fmt::Display for Choice {
 /// they are constants for CPU adapters and for GPUs. [`Renderer::calibrate`](crate::Renderer::calibrate) measures them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
+    /// Time of a primary ray, in seconds; 0 if it is not measured. On a GPU, slow rays make submissions smaller, so
+    /// that none takes too long for its watchdog.
+    pub ray_seconds: f32,
     /// Cost per pixel of finding the right view's surfaces by `bracket`. Below 1 it is cheaper than tracing them.
     pub search: f32,
     /// Cost of a shadow ray that `bracket` saves, at least 0.1.
@@ -69,9 +72,9 @@ pub struct Calibration {
 /// Times of a pair by both methods, for a calibration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trial {
-    /// Time of one view without lights, in any unit.
+    /// Time of one view without lights, in seconds.
     pub(crate) primary: f64,
-    /// Times of a pair by `naive` and by `bracket`, in the same unit.
+    /// Times of a pair by `naive` and by `bracket`, in seconds.
     pub(crate) times: [f64; 2],
     pub(crate) pixels: f64,
     pub(crate) seen: Seen,
@@ -86,12 +89,13 @@ impl Calibration {
     /// tests; they are not measured.
     pub(crate) fn of(gpu: &Gpu) -> Self {
         match gpu.adapter_info().device_type {
-            wgpu::DeviceType::Cpu => Self { search: 1.0, shadow: 0.9 },
-            _ => Self { search: 0.35, shadow: 0.8 },
+            wgpu::DeviceType::Cpu => Self { ray_seconds: 0.0, search: 1.0, shadow: 0.9 },
+            _ => Self { ray_seconds: 0.0, search: 0.35, shadow: 0.8 },
         }
     }
 
-    /// Returns the costs that explain the times best. The errors of a trial are relative to its time by `naive`.
+    /// Returns the costs that explain the times best. The errors of a trial are relative to its time by `naive`. The
+    /// time of a ray is that of the slowest scene.
     pub(crate) fn fitted(self, gpu: &Gpu, trials: &[Trial]) -> Self {
         let model = CostModel::of(gpu, self, Asked { points: 1, soft: 0, shares: true });
         // Solves for a and b in (bracket - naive) / primary = a - b * saved, with saved shadow rays per pixel.
@@ -110,11 +114,16 @@ impl Calibration {
         let shadow =
             if slope.is_finite() { (-slope).clamp(Self::SHADOW[0], Self::SHADOW[1]) } else { f64::from(self.shadow) };
         let search = 1.0 + (wwy + shadow * wws) / ww;
-        if search.is_finite() { Self { search: search as f32, shadow: shadow as f32 } } else { self }
+        let ray = trials.iter().map(Trial::ray_seconds).fold(0.0, f32::max);
+        if search.is_finite() { Self { ray_seconds: ray, search: search as f32, shadow: shadow as f32 } } else { self }
     }
 }
 
 impl Trial {
+    fn ray_seconds(&self) -> f32 {
+        (self.primary / self.pixels) as f32
+    }
+
     /// Returns the number of shadow rays per pixel that `bracket` saves by the model.
     fn saved(&self, model: CostModel) -> f64 {
         let [shadow, own, gaps] = [self.seen.shadow_rays, self.seen.own_shadow_rays, self.seen.gap_pixels]
@@ -131,7 +140,7 @@ impl Trial {
         let search = 1.0 + (bracket - naive) / self.primary + shadow * saved;
         // A clock may be too coarse for any time.
         let search = if search.is_finite() { search as f32 } else { model.search };
-        Calibration { search, shadow: model.shadow }
+        Calibration { ray_seconds: self.ray_seconds(), search, shadow: model.shadow }
     }
 }
 
@@ -191,7 +200,7 @@ impl CostModel {
     /// Creates the cost model of an adapter for a frame's light queries.
     pub(crate) fn of(gpu: &Gpu, calibration: Calibration, asked: Asked) -> Self {
         let is_cpu = gpu.adapter_info().device_type == wgpu::DeviceType::Cpu;
-        let Calibration { search, shadow } = calibration;
+        let Calibration { search, shadow, .. } = calibration;
         let listed: f32 = if is_cpu { 3.0 } else { 1.5 };
         let [points, soft] = [asked.points, asked.soft].map(|rays| rays as f32);
         let all = (points + soft).max(1.0);
@@ -292,6 +301,7 @@ mod tests {
         let found = Calibration::of(&gpu).fitted(&gpu, &trials);
         assert!((f64::from(found.search) - search).abs() < 1e-4, "{found:?}");
         assert!((f64::from(found.shadow) - shadow).abs() < 1e-4, "{found:?}");
+        assert_eq!(found.ray_seconds, 2.0 / 10_000.0);
         // Times that say nothing change nothing.
         assert_eq!(Calibration::of(&gpu).fitted(&gpu, &[]), Calibration::of(&gpu));
     }
@@ -300,7 +310,8 @@ mod tests {
     fn a_settled_calibration_takes_the_faster_method() {
         for (bracket, method) in [(2.9, Method::BRACKET), (3.1, Method::Naive)] {
             let trial = trial(0.4, [3.0, bracket], 30_000, 500);
-            let Calibration { search, shadow } = trial.settled(MODEL, 5);
+            let Calibration { ray_seconds, search, shadow } = trial.settled(MODEL, 5);
+            assert_eq!(ray_seconds, 0.4 / 10_000.0);
             let choice = CostModel { search, shadow, ..MODEL }.choose(SIZE, trial.seen);
             assert_eq!(choice.method, method, "{choice}");
             // Whether all five rays can be saved is not yet known before the first step.

@@ -7,7 +7,10 @@ use web_time::Instant;
 use super::frame::Done;
 use crate::{
     Builtin, Calibration, Error, Method, Options, PassTimes, Renderer, StereoCamera, Update, UploadedScene,
-    frame::wanted::{Part, Wanted},
+    frame::{
+        band_pixels,
+        wanted::{Part, Wanted},
+    },
     methods::auto::{Seen, Trial},
     view::rig::Eyes,
 };
@@ -48,6 +51,7 @@ impl Renderer {
     /// adapter and driver.
     pub fn set_calibration(&mut self, calibration: Calibration) {
         self.calibration = calibration;
+        self.band_pixels = band_pixels(&self.gpu, calibration.ray_seconds);
     }
 
     /// Measures the adapter with small pictures of built-in scenes. Sets what [`Method::Auto`] chooses by, and returns
@@ -82,7 +86,7 @@ impl Renderer {
                 }
             }
         }
-        self.calibration = self.calibration.fitted(&self.gpu, &trials);
+        self.set_calibration(self.calibration.fitted(&self.gpu, &trials));
         Ok(self.calibration)
     }
 
@@ -109,7 +113,7 @@ impl Renderer {
             let primary = 0.5 * both[0].time.as_secs_f64() / f64::from(model.choose(size, both[0].seen).naive);
             let trial = Trial::of(both, size, primary);
             if both.iter().all(Measured::is_known) {
-                self.calibration = trial.settled(model, scene.rays_per_point(options));
+                self.set_calibration(trial.settled(model, scene.rays_per_point(options)));
             }
         }
         Ok(self.calibration)

@@ -7,7 +7,7 @@ use crate::{
     Choice, Error, Filter, Method, OnProgress, OnRows, Options, PassTimes, Penumbra, RaysPerLane, Renderer, Rows,
     ShadowBufferWork, ShadowReuse, Tone, UploadedScene, Visibility,
     frame::{
-        Band, Bands,
+        Band, Bands, RAYS_PER_PIXEL,
         driver::{Driver, Engine, Setting},
         history::{History, Lit, Recall},
         lanes::Steps,
@@ -220,6 +220,7 @@ impl Renderer {
             kernels: &self.kernels,
             slots: &mut self.cache.slots,
             timestamps: self.timestamps.as_mut().filter(|_| timed),
+            band_pixels: self.band_pixels,
         }
     }
 
@@ -414,7 +415,7 @@ impl Renderer {
             drawing_bytes: drawn.map_or(0, Drawn::list_bytes),
             parts: (self.parts_of(scene, eyes, options).len() as u32).max(1),
         };
-        let mut fitting = shape(self.band_pixels / rays.div_ceil(6));
+        let mut fitting = shape(self.band_pixels / rays.div_ceil(RAYS_PER_PIXEL));
         while let Some(fewer) = fitting.bands.fewer_rows() {
             let read_back = ReadBack::new(fitting, [options.linear, options.keeps_parts()], true).times_offset();
             if fitting.can_be_bound(&self.gpu, used) && read_back <= self.gpu.limits.max_buffer_size {

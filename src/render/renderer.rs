@@ -66,19 +66,20 @@ impl Renderer {
     }
 
     fn by(gpu: Gpu, traversal: Traversal) -> Self {
+        let calibration = Calibration::of(&gpu);
         let has_many_threads = gpu.adapter_info().device_type != wgpu::DeviceType::Cpu;
         Self {
             traversal,
             kernels: Kernels::default(),
             cache: frame::Cache::default(),
             timestamps: Timestamps::new(&gpu),
-            band_pixels: frame::band_pixels(&gpu),
+            band_pixels: frame::band_pixels(&gpu, calibration.ray_seconds),
             read_back_bytes: frame::read_back_bytes(&gpu),
             runs: gpu.threads(),
             searches_together: has_many_threads,
             shades_apart: has_many_threads,
             steps: Steps::default(),
-            calibration: Calibration::of(&gpu),
+            calibration,
             rounding_warned: Once::new(),
             apart_warned: Once::new(),
             gpu,

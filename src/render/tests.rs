@@ -322,6 +322,29 @@ fn a_gpu_gets_a_submission_per_band_and_is_waited_for_at_the_end() {
     }
 }
 
+/// Pins that no submission of a frame with paths has more steps than rays that its band may trace per pixel. The device
+/// always has work while the host waits.
+#[test]
+fn steps_of_paths_are_submitted_in_parts() {
+    let builtin = crate::scene::builtin::Builtin::Spheres;
+    let mut renderer = renderer(USUAL);
+    let uploaded = renderer.upload(&builtin.scene()).wait().unwrap();
+    let camera = builtin.camera(64, 64);
+    let lighting = Lighting::Paths { bounces: 3, samples: 8 };
+    let options = Options::new(Method::Naive).lighting(lighting).g_buffer(GBuffer::None);
+    let gpu = renderer.gpu.clone();
+    let mut pictures = Vec::new();
+    for (band_pixels, parts) in [(1 << 21, 2), (2 * 64 * 64, 3), (64 * 64, 5)] {
+        renderer.band_pixels = band_pixels;
+        let before = gpu.work();
+        let pair = renderer.pair(&uploaded, &camera).options(&options).read().wait().unwrap();
+        let work = gpu.work() - before;
+        assert_eq!((work.submissions, work.waits), (parts, parts - 1), "{band_pixels}: {work:?}");
+        pictures.push(pair.right.rgba8);
+    }
+    assert!(pictures.windows(2).all(|two| two[0] == two[1]), "pictures depend on the parts");
+}
+
 /// Runs reprojection alone on given source depths. Returns the keys of samples, and the number of lost candidates.
 fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let mut renderer = renderer(64 * 16);

@@ -17,7 +17,11 @@ impl Report {
             "ray_queries": self.ray_queries,
             "limits": serde_json::Map::from_iter(limits),
             "timestamps": self.timestamps,
-            "calibration": { "search": self.calibration.search, "shadow": self.calibration.shadow },
+            "calibration": {
+                "ray_seconds": self.calibration.ray_seconds,
+                "search": self.calibration.search,
+                "shadow": self.calibration.shadow,
+            },
             "first_picture_ms": ms(self.first_picture),
             "scenes": Vec::from_iter(self.entries.iter().map(entry)),
             "left_out": Vec::from_iter(left_out),
