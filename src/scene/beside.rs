@@ -120,7 +120,7 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
-    use glam::Affine3A;
+    use glam::{Affine3A, Vec4};
 
     use super::*;
 
@@ -179,5 +179,25 @@ mod tests {
             assert!(message.contains("mesh 'flag', ") && message.contains(expected), "{expected}: {message}");
         }
         assert_eq!(numbers(&scene), (vec![1.0], vec![1.0]));
+    }
+
+    #[test]
+    fn values_of_vertices_go_to_the_corners_and_must_fit() {
+        let square = |last: u32| Mesh::new(vec![Vec3::ZERO; 4], vec![[0, 1, 2], [0, 2, last]]).name("flag");
+        let values = [0.0, 1.0, 2.0, 3.0];
+        let corners =
+            |of: fn(f32) -> f32| [[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(|at: usize| of(values[at])));
+        let full = square(3).vertex_uv(&values.map(Vec2::splat)).unwrap();
+        let full = full.vertex_colors(&values.map(|value| Vec3::splat(2.0 * value))).unwrap();
+        let full = full.vertex_tangents(&values.map(|value| Vec4::splat(3.0 * value))).unwrap();
+        assert_eq!(full.uv.iter().map(|corners| corners.map(|uv| uv.y)).collect::<Vec<_>>(), corners(|value| value));
+        let colors: Vec<_> = full.colors.iter().map(|corners| corners.map(|color| color.z)).collect();
+        assert_eq!(colors, corners(|value| 2.0 * value));
+        let tangents: Vec<_> = full.tangents.iter().map(|corners| corners.map(|tangent| tangent.w)).collect();
+        assert_eq!(tangents, corners(|value| 3.0 * value));
+        let few = square(3).vertex_normals(&[Vec3::Z; 3]).unwrap_err().to_string();
+        assert!(few.contains("mesh 'flag', normals: 3 for 4 vertices; give one per vertex"), "{few}");
+        let beyond = square(4).vertex_normals(&[Vec3::Z; 4]).unwrap_err().to_string();
+        assert!(beyond.contains("triangle 1: corner 4 is out of range"), "{beyond}");
     }
 }

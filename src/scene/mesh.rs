@@ -70,7 +70,7 @@ impl Mesh {
         self
     }
 
-    /// Sets three unit normals per triangle for smooth shading, or none.
+    /// Sets three unit normals per triangle for smooth shading, or none. [`Mesh::vertex_normals`] takes one per vertex.
     pub fn normals(mut self, normals: Vec<[Vec3; 3]>) -> Self {
         self.normals = normals;
         self
@@ -92,6 +92,66 @@ impl Mesh {
     pub fn tangents(mut self, tangents: Vec<[Vec4; 3]>) -> Self {
         self.tangents = tangents;
         self
+    }
+
+    /// Sets a unit normal per vertex for smooth shading. The vertices and triangles must be set before.
+    ///
+    /// ```
+    /// use stereotrace::{Mesh, glam::Vec3};
+    ///
+    /// // A square whose light varies as on a rounded one.
+    /// let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+    /// let normals = corners.map(|corner| (corner + 4.0 * Vec3::Z).normalize());
+    /// let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).vertex_normals(&normals)?;
+    /// assert_eq!(mesh.normals[1], [normals[0], normals[2], normals[3]]);
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if there are not as many normals as vertices, or if a triangle's index is out of range.
+    pub fn vertex_normals(mut self, normals: &[Vec3]) -> Result<Self, Error> {
+        self.normals = self.at_corners("normals", normals)?;
+        Ok(self)
+    }
+
+    /// Sets a texture coordinate per vertex. The vertices and triangles must be set before.
+    ///
+    /// # Errors
+    /// The errors of [`Mesh::vertex_normals`].
+    pub fn vertex_uv(mut self, uv: &[Vec2]) -> Result<Self, Error> {
+        self.uv = self.at_corners("texture coordinates", uv)?;
+        Ok(self)
+    }
+
+    /// Sets a linear RGB colour per vertex. The vertices and triangles must be set before.
+    ///
+    /// # Errors
+    /// The errors of [`Mesh::vertex_normals`].
+    pub fn vertex_colors(mut self, colors: &[Vec3]) -> Result<Self, Error> {
+        self.colors = self.at_corners("colours", colors)?;
+        Ok(self)
+    }
+
+    /// Sets a tangent per vertex for normal textures. The vertices and triangles must be set before.
+    ///
+    /// # Errors
+    /// The errors of [`Mesh::vertex_normals`].
+    pub fn vertex_tangents(mut self, tangents: &[Vec4]) -> Result<Self, Error> {
+        self.tangents = self.at_corners("tangents", tangents)?;
+        Ok(self)
+    }
+
+    /// Returns values of vertices for the corners of each triangle.
+    fn at_corners<T: Copy>(&self, what: &str, of_vertices: &[T]) -> Result<Vec<[T; 3]>, Error> {
+        if of_vertices.len() != self.positions.len() {
+            let vertices = counted(self.positions.len(), "vertex", "vertices");
+            return Err(self.fault(what, format!("{} for {vertices}; give one per vertex", of_vertices.len())));
+        }
+        let corners = |(index, corners): (usize, &[u32; 3])| {
+            self.check_corners(index).map_err(|reason| self.fault(&format!("triangle {index}"), reason))?;
+            Ok(corners.map(|corner| of_vertices[corner as usize]))
+        };
+        self.triangles.iter().enumerate().map(corners).collect()
     }
 
     pub(crate) fn fault(&self, element: &str, reason: String) -> Error {
