@@ -41,6 +41,7 @@
 //! | get ground truth of an array of cameras | [`Rig`], [`Views::pair`], [`Views::pair_below`] |
 //! | get all surfaces behind glass and in mirrors | [`Layers`], [`Renderer::layers`] |
 //! | compare pictures | [`metrics`] |
+//! | compare a method of my own | [`metrics`], [`PixelSource::Filled`], `examples/own_method.rs` |
 //! | trace my own rays | [`Ray`], [`Renderer::closest_hits`] |
 //! | draw into my own GPU program | [`Gpu::from_device`], [`FrameBuilder::encode`] |
 //!
@@ -56,6 +57,7 @@
 //! StereoPair ◀── left, right, depth and ids, re-trace map, statistics
 //! ```
 //!
+//! The [guide] has five chapters with examples that the tests run; `examples/` has whole programs.
 //! Contributors begin with `docs/ARCHITECTURE.md`. Geometry, methods and metrics are defined in `docs/DESIGN.md`, which
 //! comments cite by section.
 //!

@@ -48,6 +48,8 @@ pub enum PixelSource {
     /// Traced, or found by a [T-buffer](crate::Visibility::TBuffer) or by the samples of an earlier frame,
     /// independently of the left view (`Naive`).
     Traced = 3,
+    /// Filled from neighbouring pixels without a ray. No method of the library does so; `examples/own_method.rs` does.
+    Filled = 4,
 }
 
 /// Source of a right pixel's visibility bits.

@@ -87,14 +87,15 @@ impl StereoPair {
     }
 
     /// Returns the re-trace map as a picture, as in Adelson & Hodges 1993: green = reused, red = bad and traced again,
-    /// grey = traced without reuse. Missed pixels are yellow; the paper shows them in red too. The result is sRGB,
-    /// row-major.
+    /// grey = traced without reuse, blue = filled. Missed pixels are yellow; the paper shows them in red too. The
+    /// result is sRGB, row-major.
     pub fn retrace_map(&self) -> Vec<[u8; 4]> {
         let color = |source: &PixelSource| match source {
             PixelSource::Reused => [0, 128, 0, 255],
             PixelSource::Bad => [224, 0, 0, 255],
             PixelSource::Missed => [240, 200, 0, 255],
             PixelSource::Traced => [128, 128, 128, 255],
+            PixelSource::Filled => [0, 96, 224, 255],
         };
         self.source.iter().map(color).collect()
     }
