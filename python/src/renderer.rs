@@ -648,8 +648,8 @@ impl Renderer {
         self.with_stage(py, |stage| stage.renderer.calibrate().wait().map(numbers_of))
     }
 
-    /// What the method ``auto`` chooses by: (ray_seconds, search, shadow), see :meth:`calibrate`. The time is 0 if it is
-    /// not measured. The result of an earlier calibration of the same adapter and driver can be set.
+    /// What the method ``auto`` chooses by: (ray_seconds, search, shadow), see :meth:`calibrate`. The time is 0 if it
+    /// is not measured. The result of an earlier calibration of the same adapter and driver can be set.
     #[getter]
     fn calibration(&self, py: Python<'_>) -> PyResult<(f32, f32, f32)> {
         self.with_stage(py, |stage| Ok(numbers_of(stage.renderer.calibration())))

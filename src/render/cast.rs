@@ -72,8 +72,8 @@ impl Ray {
     }
 }
 
-/// Closest hit of a ray. [`Scene::surface`](crate::Scene::surface) returns its normals, barycentric coordinates, object
-/// and material.
+/// Closest hit of a ray. [`Scene::surface`](crate::Scene::surface) returns its normals, barycentric and texture
+/// coordinates, object and material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RayHit {

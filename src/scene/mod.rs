@@ -34,7 +34,7 @@ pub use principled::Principled;
 pub use sky::SkyMap;
 pub use texture::{MAX_TEXTURE_SIDE, Texture, TextureId, TextureKind, Wrap};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 pub(crate) use self::moving::Stamp;
 use self::{beside::Beside, mesh::Object};
@@ -335,6 +335,12 @@ impl Scene {
             return self.mesh_objects.len() as u32 + (primitive - triangles);
         }
         self.mesh_objects.partition_point(|object| object.first_primitive <= primitive) as u32 - 1
+    }
+
+    /// Returns the texture coordinates at a triangle's corners, or `None` if its mesh has none.
+    pub(crate) fn uv_of(&self, primitive: u32) -> Option<&[Vec2; 3]> {
+        let mesh = self.mesh_objects.get(self.object_of(primitive) as usize)?;
+        self.uv().get(primitive as usize).filter(|_| mesh.has_uv)
     }
 
     /// Returns the box of each object, relative to the origin; `None` for planes and empty meshes.

@@ -1,6 +1,6 @@
 //! The surface at a hit, in f64 on the host: normals, barycentric coordinates, object and material.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec2, Vec3};
 
 use crate::{
     MISS, MaterialId, Ray, RayHit, Scene,
@@ -19,6 +19,8 @@ pub struct Surface {
     /// Barycentric coordinates of the hit: the weights of the triangle's corners, which are at least 0 and sum to 1.
     /// `None` for spheres, ellipsoids and planes.
     pub barycentric: Option<[f32; 3]>,
+    /// Texture coordinates of the hit ([`Mesh::uv`](crate::Mesh::uv)); `None` if the primitive's mesh has none.
+    pub uv: Option<Vec2>,
     /// Id of the primitive's object ([`Scene::object_of`]).
     pub object: u32,
     /// Id of the primitive's material.
@@ -30,11 +32,13 @@ impl Scene {
     /// come from this scene in its uploaded state.
     ///
     /// ```
-    /// use stereotrace::{Gpu, Material, Mesh, Ray, Renderer, Scene, blocking::Wait, glam::Vec3};
+    /// use stereotrace::{Gpu, Material, Mesh, Ray, Renderer, Scene, blocking::Wait, glam::{Vec2, Vec3}};
     ///
     /// let mut scene = Scene::new();
     /// scene.add_material(Material::new(Vec3::splat(0.5)));
-    /// scene.add_mesh(&Mesh::new(vec![Vec3::ZERO, 4.0 * Vec3::X, 4.0 * Vec3::Y], vec![[0, 1, 2]]))?;
+    /// let corners = [Vec3::ZERO, 4.0 * Vec3::X, 4.0 * Vec3::Y];
+    /// let sail = Mesh::new(corners.to_vec(), vec![[0, 1, 2]]).vertex_uv(&[Vec2::ZERO, Vec2::X, Vec2::Y])?;
+    /// scene.add_mesh(&sail)?;
     /// let renderer = Renderer::new(Gpu::new().wait()?);
     /// let uploaded = renderer.upload(&scene).wait()?;
     /// let ray = Ray::new(Vec3::new(1.0, 2.0, 5.0), -Vec3::Z);
@@ -42,6 +46,7 @@ impl Scene {
     /// let surface = scene.surface(&ray, &hit).unwrap();
     /// assert_eq!(surface.geometric_normal, Vec3::Z);
     /// assert_eq!(surface.barycentric, Some([0.25, 0.25, 0.5]));
+    /// assert_eq!(surface.uv, Some(Vec2::new(0.25, 0.5)));
     /// # Ok::<(), stereotrace::Error>(())
     /// ```
     pub fn surface(&self, ray: &Ray, hit: &RayHit) -> Option<Surface> {
@@ -53,14 +58,18 @@ impl Scene {
             Primitive::Triangle(triangle) => Some(weights(triangle, origin, direction).map(|weight| weight as f32)),
             _ => None,
         };
+        let corners = self.uv_of(hit.primitive);
+        let blended =
+            |(weights, corners): ([f32; 3], &[Vec2; 3])| weights.iter().zip(corners).map(|(w, uv)| *w * *uv).sum();
+        let uv = barycentric.zip(corners).map(blended);
         let found = at(self, hit.primitive, (origin, direction), f64::from(hit.t));
-        Some(Surface { barycentric, object: self.object_of(hit.primitive), ..found })
+        Some(Surface { barycentric, uv, object: self.object_of(hit.primitive), ..found })
     }
 }
 
 /// Returns the surface of a primitive that a ray hits near `t`. The ray is given by a direction and an origin relative
 /// to the scene's origin. The function is the f64 counterpart of `surface_of` in shaders/shared. [`Scene::surface`]
-/// adds the object and the barycentric coordinates, which pictures do not need.
+/// adds the object and the coordinates on the surface, which pictures do not need.
 pub(super) fn at(scene: &Scene, primitive: u32, (origin, direction): (DVec3, DVec3), t: f64) -> Surface {
     match scene.primitive(primitive) {
         Primitive::Triangle(triangle) => of_triangle(triangle, origin, direction),
@@ -131,7 +140,7 @@ pub(super) fn moved(
 /// Returns a surface that is shaded by its geometric normal. `normal` may have any length but 0.
 fn flat(normal: DVec3, direction: DVec3, material: MaterialId) -> Surface {
     let normal = towards_viewer(normal, direction).as_vec3();
-    Surface { geometric_normal: normal, shading_normal: normal, barycentric: None, object: MISS, material }
+    Surface { geometric_normal: normal, shading_normal: normal, barycentric: None, uv: None, object: MISS, material }
 }
 
 fn towards_viewer(normal: DVec3, direction: DVec3) -> DVec3 {

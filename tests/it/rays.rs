@@ -6,7 +6,7 @@ use common::{RandomScene, ball, cases, gpu, is_exact, random::Random, renderer, 
 use stereotrace::{
     Error, FAR, MISS, Mesh, Method, Options, Ray, RayHit, Renderer, Scene, StereoCamera, Traversal,
     blocking::Wait,
-    glam::{Quat, Vec3},
+    glam::{Quat, Vec2, Vec3},
     testing::cpu::{Eye, Frame, intersect::closest_hit},
 };
 
@@ -267,6 +267,12 @@ fn surfaces_of_hits_are_those_of_the_points() {
     let mut random = Random::new(71);
     let mut scene = common::random_stage(6);
     let material = scene.add_material(stereotrace::Material::new(Vec3::splat(0.3)));
+    // The other meshes have no texture coordinates. Meshes are the first objects.
+    let others = scene.spheres().len() + scene.ellipsoids().len() + scene.planes().len();
+    let wall = (scene.object_count() - others) as u32;
+    let uv = [[-4.0, 0.0], [4.0, 0.0], [4.0, 4.0], [-4.0, 4.0]].map(Vec2::from);
+    let corners = uv.map(|corner| corner.extend(-3.0)).to_vec();
+    scene.add_mesh(&Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).vertex_uv(&uv).unwrap()).unwrap();
     let (center, radius) = (Vec3::new(0.3, 0.2, 0.5), 0.4);
     scene.add_sphere(stereotrace::Sphere::new(center, radius, material)).unwrap();
     scene.add_plane(stereotrace::Plane::new(-2.0 * Vec3::Y, Vec3::Y, material)).unwrap();
@@ -275,7 +281,7 @@ fn surfaces_of_hits_are_those_of_the_points() {
     let eye = Vec3::new(0.0, 0.5, 5.0);
     let rays: Vec<Ray> = (0..2000).map(|_| Ray::new(eye, random.point(2.0) - eye)).collect();
     let hits = renderer.closest_hits(&uploaded, &rays).wait().unwrap().hits;
-    let (mut triangles, mut spheres, mut planes) = (0, 0, 0);
+    let (mut triangles, mut walls, mut spheres, mut planes) = (0, 0, 0, 0);
     for (ray, hit) in rays.iter().zip(&hits) {
         let Some(found) = scene.surface(ray, hit) else {
             assert_eq!(hit.primitive, MISS);
@@ -289,6 +295,11 @@ fn surfaces_of_hits_are_those_of_the_points() {
             let same: Vec3 = triangle.corners.iter().zip(weights).map(|(corner, weight)| weight * *corner).sum();
             assert!((same - point).length() < 1e-5 * point.distance(eye), "{same} {point}");
             assert_eq!(found.material, triangle.material);
+            assert_eq!(found.uv.is_some(), found.object == wall);
+            if let Some(uv) = found.uv {
+                assert!((uv - point.truncate()).length() < 1e-4, "{uv} {point}");
+                walls += 1;
+            }
             triangles += 1;
         } else if found.geometric_normal.y > 0.999_999 {
             assert!((point.y + 2.0).abs() < 1e-5 && found.barycentric.is_none() && found.material == material);
@@ -298,7 +309,7 @@ fn surfaces_of_hits_are_those_of_the_points() {
             spheres += 1;
         }
     }
-    let counts = [triangles, spheres, planes];
+    let counts = [triangles, walls, spheres, planes];
     assert!(counts.iter().all(|&count| count > 30), "{counts:?}");
     let hit = hits.iter().find(|hit| hit.primitive != MISS).unwrap();
     assert_eq!(Scene::new().surface(&rays[0], hit), None);
