@@ -65,6 +65,7 @@ pub(crate) struct Driver<'a> {
     variant: Variant,
     targets: &'a Targets,
     executor: Executor<'a>,
+    kernels: &'a Kernels,
     band_pixels: u32,
     /// Resources that steps bind, for each view.
     resources: Vec<Resources>,
@@ -103,6 +104,7 @@ impl<'a> Driver<'a> {
             variant,
             targets,
             executor: Executor::new(gpu, kernels, Some(&targets.indirect), timestamps),
+            kernels,
             band_pixels,
             resources: views.map(resources).collect(),
             uniforms,
@@ -120,6 +122,11 @@ impl<'a> Driver<'a> {
 impl<'a> Driver<'a> {
     pub(crate) fn gpu(&self) -> &'a Gpu {
         self.gpu
+    }
+
+    /// Builds the pipelines of a plan.
+    pub(crate) fn prepare<'p>(&self, plan: &'p Plan) -> impl Future<Output = Result<(), Error>> + use<'a, 'p> {
+        self.kernels.prepare(self.gpu, plan.kernels(), self.variant)
     }
 
     /// Returns the workgroups of a step.
@@ -174,8 +181,10 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Uploads the initial heads of lists, which all bands of a plan share, and runs the steps before the first band.
+    /// Builds the pipelines of a plan, uploads the initial heads of lists, which all its bands share, and runs the
+    /// steps before the first band.
     pub(crate) async fn begin(&mut self, plan: &Plan) -> Result<(), Error> {
+        self.prepare(plan).await?;
         let gpu = self.gpu;
         let begin = || {
             gpu.queue.write_buffer(&self.targets.empty_lists, 0, bytemuck::cast_slice(&self.heads(plan)));
@@ -204,8 +213,8 @@ impl Driver<'_> {
         heads
     }
 
-    /// Returns the number of steps per submission. Steps of paths and mirrors trace up to one ray per pixel each, so that
-    /// too many at once would take too long for a GPU's watchdog.
+    /// Returns the number of steps per submission. Steps of paths and mirrors trace up to one ray per pixel each, so
+    /// that too many at once would take too long for a GPU's watchdog.
     fn steps_at_once(&self) -> usize {
         let shape = &self.targets.shape;
         let pixels = u64::from(shape.size[0]) * u64::from(shape.bands.rows);

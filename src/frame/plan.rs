@@ -188,6 +188,11 @@ impl Plan {
         self.before.iter().copied().chain(stages)
     }
 
+    /// Returns the kernels of all steps, each once or more.
+    pub(crate) fn kernels(&self) -> impl Iterator<Item = &'static Kernel> + '_ {
+        self.steps().filter_map(|step| if let Step::Run { kernel, .. } = step { Some(kernel) } else { None })
+    }
+
     /// Returns the number of steps, without those that run on the host.
     pub(crate) fn step_count(&self) -> usize {
         self.stages.iter().map(|stage| if let Stage::Steps(steps) = stage { steps.len() } else { 0 }).sum()

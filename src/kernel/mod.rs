@@ -13,10 +13,14 @@ use std::{
     sync::{Arc, Mutex},
 };
 
+#[cfg(not(target_arch = "wasm32"))]
+use rayon::prelude::*;
+
 pub(crate) use resource::Resource;
 pub(crate) use role::{Canvas, Dispatches, Does, Hits, Role, SampleUse, Shading, Visible};
 
 use crate::{
+    Error,
     gpu::{Built, Gpu, Program, lock},
     kernel::variant::Variant,
     kernel::wgsl::{Linked, Part},
@@ -57,6 +61,10 @@ impl Kernel {
 /// Identity of a linked kernel: its file, role and variant. Kernels that differ only in their names are the same.
 type Key = (&'static str, Role, Variant);
 
+fn key(kernel: &Kernel, with: Variant) -> Key {
+    (kernel.main.file, kernel.role, with)
+}
+
 /// Cache of the kernels that have been used.
 #[derive(Debug, Default)]
 pub(crate) struct Kernels(Mutex<HashMap<Key, Known>>);
@@ -86,11 +94,43 @@ impl Kernels {
     /// Returns a kernel with its pipeline, which is built at its first use.
     pub(crate) fn get(&self, gpu: &Gpu, kernel: &Kernel, with: Variant) -> Ready {
         self.known(kernel, with, |known, with| {
-            let linked = known.linked.take();
-            let build = || gpu.pipeline(program(kernel, with, linked.expect("kept until it is built")));
-            let pipeline = known.built.get_or_insert_with(build).clone();
+            let Known { built, linked, .. } = known;
+            let build = || gpu.pipeline(program(kernel, with, linked.take().expect("kept until it is built")));
+            let pipeline = built.get_or_insert_with(build).clone();
             Ready { pipeline, bound: known.bound.clone() }
         })
+    }
+
+    /// Builds the pipelines of these kernels, several at a time, since drivers compile for tens of milliseconds each.
+    ///
+    /// # Errors
+    /// Those of the driver.
+    pub(crate) async fn prepare(
+        &self,
+        gpu: &Gpu,
+        kernels: impl Iterator<Item = &'static Kernel>,
+        with: Variant,
+    ) -> Result<(), Error> {
+        let mut programs = HashMap::new();
+        for kernel in kernels {
+            let with = with.of_role(kernel.role);
+            let linked = self.known(kernel, with, |known, _| known.linked.clone());
+            programs.extend(linked.map(|linked| (key(kernel, with), (kernel, program(kernel, &with, linked)))));
+        }
+        // A thread that needs one of the pipelines meanwhile waits for it in `Gpu::pipeline`.
+        let build = |(kernel, program)| (kernel, gpu.checked(|| Ok(gpu.pipeline(program))));
+        #[cfg(not(target_arch = "wasm32"))]
+        let building: Vec<_> = Vec::from_iter(programs.into_values()).into_par_iter().map(build).collect();
+        #[cfg(target_arch = "wasm32")]
+        let building: Vec<_> = programs.into_values().map(build).collect();
+        for (kernel, pipeline) in building {
+            let pipeline = pipeline.await?;
+            self.known(kernel, with, |known, _| {
+                known.linked = None;
+                known.built.get_or_insert(pipeline);
+            });
+        }
+        Ok(())
     }
 
     /// Applies a function to a kernel and its reduced variant. The kernel is linked at its first use.
@@ -101,7 +141,7 @@ impl Kernels {
             let bound = linked.bindings.iter().map(|binding| binding.resource).collect();
             Known { bound, linked: Some(linked), built: None }
         };
-        apply(lock(&self.0).entry((kernel.main.file, kernel.role, with)).or_insert_with(link), &with)
+        apply(lock(&self.0).entry(key(kernel, with)).or_insert_with(link), &with)
     }
 }
 

@@ -186,7 +186,7 @@ pub(crate) struct Definition {
 }
 
 /// The linked text of a kernel.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Linked {
     pub(crate) text: String,
     /// Resources that the text binds in group 0, from binding 0 on.

@@ -109,6 +109,7 @@ impl Renderer {
         let uniforms = self.uniforms(scene, &eyes, options, (&model, &targets.shape, 0));
         let setting = Setting { eyes: &eyes, variant, targets: &targets, uniforms, shared, history: None };
         let mut driver = Driver::new(self.engine(false), setting, &mut go_on);
+        driver.prepare(&plan).await?;
         let depth = options.g_buffer != GBuffer::None;
         let encode = || {
             let views = eyes.sources.iter().map(|_| EncodedView::new(&gpu, size, depth));
