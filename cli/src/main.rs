@@ -22,6 +22,7 @@ mod studio;
 mod summary;
 mod target;
 mod truth;
+mod usage;
 #[cfg_attr(not(feature = "view"), path = "no_view.rs")]
 mod view;
 

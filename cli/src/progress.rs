@@ -16,6 +16,9 @@ const PATIENCE: Duration = Duration::from_millis(500);
 const INTERVAL: Duration = Duration::from_secs(10);
 /// Share of the work between the first report and the first estimate of the remaining time.
 const TELLING: f64 = 0.05;
+/// Least number of pictures whose first one does not count for the remaining time. It compiles the kernels, and may have
+/// more samples than the others.
+const MANY: u32 = 10;
 /// Number of steps of the bar.
 const STEPS: u64 = 10_000;
 
@@ -86,6 +89,9 @@ impl Progress {
     /// Counts a finished picture.
     pub(crate) fn next(&mut self) {
         self.pictures.1 += 1;
+        if let (MANY.., 1) = self.pictures {
+            self.first = Some((Instant::now(), 1.0 / f64::from(self.pictures.0)));
+        }
     }
 
     /// Removes the bar, so that the next output begins on a clean line.

@@ -12,13 +12,13 @@ use stereotrace::{
     output::{Anaglyph, Batch, Combination, ExrColor, Packing, Picture},
 };
 
-use crate::shown;
+use crate::{shown, usage::Usage};
 
 /// File name extensions of pictures that can be written.
 const WRITTEN: [&str; 6] = ["png", "jpg", "jpeg", "jps", "mpo", "exr"];
 /// File name extensions of pictures that can't be written. They are refused, since they would otherwise become names of
 /// folders.
-const NOT_WRITTEN: [&str; 8] = ["avif", "bmp", "gif", "hdr", "tga", "tif", "tiff", "webp"];
+const NOT_WRITTEN: [&str; 11] = ["avif", "bmp", "gif", "hdr", "heic", "mkv", "mp4", "tga", "tif", "tiff", "webp"];
 
 /// Options that combine both eyes into one picture.
 #[derive(Clone, Debug, Args)]
@@ -98,7 +98,7 @@ impl Target {
     ///
     /// # Errors
     /// Fails if a picture can't be written there, or not in the format of that extension.
-    pub(crate) fn of(path: &Path) -> Result<Self, Box<dyn Error>> {
+    pub(crate) fn of(path: &Path) -> Result<Self, Usage> {
         let ending = ending(path);
         if !path.is_dir() && WRITTEN.contains(&&*ending) {
             if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
@@ -109,7 +109,7 @@ impl Target {
         }
         if !path.is_dir() && NOT_WRITTEN.contains(&&*ending) {
             let endings = WRITTEN.join(", .");
-            return Err(format!("{}: pictures can be written as .{endings}", shown(path)).into());
+            return Err(Usage(format!("{}: pictures can be written as .{endings}", shown(path))));
         }
         make_folder(path)?;
         check_writable(path, path)?;
@@ -118,19 +118,19 @@ impl Target {
 }
 
 /// Creates a file in the folder and removes it, so that an unwritable target fails before rendering.
-fn check_writable(folder: &Path, target: &Path) -> Result<(), String> {
+fn check_writable(folder: &Path, target: &Path) -> Result<(), Usage> {
     let probe = folder.join(format!(".stereotrace-{}", std::process::id()));
     let written = fs::File::create(&probe).and_then(|_| fs::remove_file(&probe));
-    written.map_err(|error| format!("{}: can't write there: {error}", shown(target)))
+    written.map_err(|error| Usage(format!("{}: can't write there: {error}", shown(target))))
 }
 
 /// Creates the output folder.
-fn make_folder(path: &Path) -> Result<(), String> {
+pub(crate) fn make_folder(path: &Path) -> Result<(), Usage> {
     let fault = |error: io::Error| match path.exists() {
         true => format!("{}: it is not a folder; --out takes a folder, or a picture's name like pair.png", shown(path)),
         false => format!("{}: the folder can't be created: {error}", shown(path)),
     };
-    fs::create_dir_all(path).map_err(fault)
+    fs::create_dir_all(path).map_err(|error| Usage(fault(error)))
 }
 
 /// Returns a file name's extension in lower case.

@@ -119,6 +119,12 @@ impl CameraArguments {
         }
     }
 
+    /// Returns whether an option sets the distance between the eyes.
+    pub(super) fn interaxial_is_said(&self) -> bool {
+        let is_given = self.interaxial.is_some() || self.interaxial_px.is_some();
+        is_given || self.comfort.is_some() || self.calib.is_some()
+    }
+
     /// Returns whether an option sets the up direction: --up, or a projection whose vertical axis is the world's.
     pub(super) fn sets_up(&self) -> bool {
         self.up.is_some() || self.span().is_some()

@@ -15,7 +15,7 @@ pub(crate) use self::{
     picture::PictureArguments,
     reading::ReadingArguments,
     short_help::{command, whole_command},
-    subject::{Purpose, Stage, Subject, depths},
+    subject::{PREVIEW, Purpose, Stage, Subject, depths},
     time::TimeArguments,
     values::{ShutterArgument, above_zero, frames, shutter, size},
 };

@@ -122,8 +122,8 @@ impl Stage {
 /// Number of directions in which surfaces between equirectangular eyes are looked for.
 const AROUND: u32 = 128;
 
-/// Width in pixels of the preview picture that [`depths`] measures.
-const PREVIEW: u32 = 320;
+/// Width in pixels of preview pictures, whose depths are measured.
+pub(crate) const PREVIEW: u32 = 320;
 
 /// Returns the nearest and the farthest depth that either eye sees, in world units along the view. The farthest is
 /// infinite if there is sky.
@@ -252,6 +252,13 @@ impl Subject {
         self.picture.size_said.unwrap_or_else(|| self.camera.default_size())
     }
 
+    /// Returns these arguments with another size of an eye's picture.
+    pub(crate) fn sized(&self, size: [u32; 2]) -> Self {
+        let mut sized = self.clone();
+        sized.picture.size_said = Some(size);
+        sized
+    }
+
     /// Returns the scene's name: the name of a built-in scene, or the file name without its extension.
     pub(crate) fn name(&self) -> String {
         match self.builtin_name() {
@@ -275,6 +282,16 @@ impl Subject {
         self.camera.screen.is_some() || self.camera.cameras.is_some() || self.camera.calib.is_some()
     }
 
+    /// Returns whether --comfort chooses the screen distance and the distance between the eyes.
+    pub(crate) fn comfort_is_said(&self) -> bool {
+        self.camera.comfort.is_some()
+    }
+
+    /// Returns whether an option sets the distance between the eyes.
+    pub(crate) fn interaxial_is_said(&self) -> bool {
+        self.camera.interaxial_is_said()
+    }
+
     /// Returns the files that the command line names: scene, cameras and sky.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
         let scene = self.builtin_name().is_none().then(|| self.scene.clone());
@@ -285,6 +302,11 @@ impl Subject {
     #[cfg(feature = "view")]
     pub(crate) fn lights_stand_by_camera(&self) -> bool {
         self.light.are_counted() || !self.light.are_said() && self.builtin_name().is_none()
+    }
+
+    /// Returns whether the scene is built in. Its camera has a screen that suits it.
+    pub(crate) fn is_builtin(&self) -> bool {
+        self.builtin_name().is_some()
     }
 
     fn builtin_name(&self) -> Option<&str> {

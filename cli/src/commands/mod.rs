@@ -3,8 +3,11 @@
 pub(crate) mod bench;
 pub(crate) mod compare;
 pub(crate) mod dataset;
+mod ffmpeg;
 pub(crate) mod info;
 mod motion;
+mod names;
+mod quilt;
 pub(crate) mod render;
 mod report;
 pub(crate) mod sequence;

@@ -265,7 +265,7 @@ pub(super) fn scene_line(stage: &Stage) -> String {
 }
 
 /// Writes a line of the table. Control characters in names of scenes and files are escaped.
-fn line(f: &mut Formatter<'_>, heading: &str, text: impl Display) -> fmt::Result {
+pub(super) fn line(f: &mut impl fmt::Write, heading: &str, text: impl Display) -> fmt::Result {
     writeln!(f, "{heading:<11}{}", escaped(&text.to_string()))
 }
 

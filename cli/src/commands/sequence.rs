@@ -4,32 +4,37 @@ use std::{
     error::Error,
     fmt::Write as _,
     fs,
-    io::{self, Write},
     ops::Range,
     path::{Path, PathBuf},
     time::Instant,
 };
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 use stereotrace::{
     GBuffer, Lighting, MAX_PATHS, Moment, MotionBlur, Options, Scene, StereoCamera, StereoPair, Update, UploadedScene,
-    blocking::Wait, message::counted, output::Batch, output::write_whole,
+    blocking::Wait,
+    message::counted,
+    output::{Batch, Picture, quilt},
 };
 
-use super::motion::{MOST, Motion, MotionArguments};
+use super::{
+    ffmpeg::{self, Marking},
+    motion::{MOST, Motion, MotionArguments},
+    names::{Content, Names, Rendered, keep},
+    quilt::{Fan, QuiltArguments},
+};
 use crate::{
     arguments::{Global, Purpose, ShutterArgument, Stage, Subject, above_zero, frames, shutter},
     progress::Progress,
     record, shown,
     stop::{Interrupted, Stop},
     summary::Summary,
-    target::{EyesArguments, Target, add_pair, is_open_exr},
+    target::{EyesArguments, is_open_exr},
     truth::{add_flow, add_truth_of},
+    usage::Usage,
 };
 
-/// File that records the settings and inputs of a folder's pictures.
-const RECORD: &str = "sequence.json";
 /// A file of each picture's ground truth.
 const TRUTH_IS_THERE: &str = "camera.json";
 /// Number of pictures of the default motion, an orbit.
@@ -49,13 +54,14 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FROM..TO", value_parser = frames)]
     frames: Option<Range<u32>>,
     /// A folder for left_0000.png, right_0000.png and anaglyph_0000.png (or the --packing) of each pair; or a name with
-    /// a number for one picture of each, such as film/frame_%04d.png; or - for raw RGB pictures on standard output
-    #[arg(long, short, value_name = "DIR|NAMES|-", default_value = "out")]
+    /// a number for one picture of each, such as film/frame_%04d.png; or a film, such as film.mp4 or film.mkv, which
+    /// FFmpeg makes from pictures in film.mp4.frames; or - for raw RGB pictures on standard output
+    #[arg(long, short, value_name = "DIR|NAMES|FILM|-", default_value = "out")]
     out: PathBuf,
     /// Replace existing pictures, also those of other settings
     #[arg(long)]
     overwrite: bool,
-    /// Pictures per second of the scene file's animation. Without --orbit or --path, the animation's duration gives the
+    /// Pictures per second of the film, and of the scene file's animation. Without --orbit or --path, the animation's duration gives the
     /// number of pictures
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = above_zero, allow_hyphen_values = true)]
     fps: f32,
@@ -68,6 +74,8 @@ pub(crate) struct Arguments {
     #[arg(long)]
     ground_truth: bool,
     #[command(flatten)]
+    quilt: QuiltArguments,
+    #[command(flatten)]
     subject: Subject,
     #[command(flatten)]
     eyes: EyesArguments,
@@ -76,46 +84,57 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
+    let grid = arguments.quilt.grid()?;
+    arguments.check(grid.is_some())?;
     let names = Names::of(&arguments.out)?;
-    let mut stage = arguments.subject.open(Purpose::Pictures, global)?;
     if arguments.ground_truth && !matches!(names, Names::Folder(_)) {
-        return Err(format!("--ground-truth: {} is not a folder", shown(&arguments.out)).into());
+        return Err(Usage(format!("--ground-truth: {} is not a folder", shown(&arguments.out))).into());
     }
-    if arguments.shutter.is_some() && arguments.subject.picture.gives("history") {
-        return Err("--shutter and --history exclude each other: a blurred picture has no single time".into());
+    if let Names::Film(paths) = &names {
+        ffmpeg::check(&paths.film)?;
     }
+    let subject = arguments.quilt.sized(&arguments.subject);
+    let mut stage = subject.open(Purpose::Pictures, global)?;
+    let content = match grid {
+        None => Content::Eyes(arguments.eyes.suiting(&stage.camera.pose()?)),
+        Some([columns, rows]) => {
+            Content::Quilt([columns, rows], arguments.quilt.fan(columns * rows, &subject, &mut stage)?)
+        }
+    };
     let film = Film::of(arguments, &stage)?;
-    let eyes = arguments.eyes.suiting(&stage.camera.pose()?);
     let all = 0..film.frames();
     let range = arguments.frames.clone().unwrap_or(all.clone());
     if range.end > all.end {
-        return Err(format!("--frames {}..{}: the sequence has {}", range.start, range.end, all.end).into());
+        return Err(arguments.beyond(all.end).into());
     }
     let stop = Stop::on_signals()?;
     let pending = match names.folder() {
         Some(folder) => {
-            let settings =
-                (&eyes, &film.motion, film.begin.to_bits(), film.fps.to_bits(), arguments.ground_truth, film.shutter);
+            // Without an animation, pictures are the same at all speeds of the film.
+            let fps = stage.playing.is_some().then_some(film.fps.to_bits());
+            let settings = (&content, &film.motion, film.begin.to_bits(), fps, arguments.ground_truth, film.shutter);
             let mut record = record::of(&arguments.subject, &stage.scene, &settings)?;
             if let Some(playing) = &stage.playing {
                 record["animation_sha256"] = record::of_animation(&playing.animation).into();
             }
-            let there = |frame: &u32| names.files(*frame, &eyes).iter().any(|file| file.exists());
+            let there = |frame: &u32| names.files(*frame, &content).iter().any(|file| file.exists());
             keep(&record, folder, arguments.overwrite, || {
                 let of_truth = |frame: u32| fs::read_dir(truth_folder(folder, frame)).into_iter().flatten().flatten();
-                let files =
-                    |frame: u32| names.files(frame, &eyes).into_iter().chain(of_truth(frame).map(|entry| entry.path()));
+                let files = |frame: u32| {
+                    names.files(frame, &content).into_iter().chain(of_truth(frame).map(|entry| entry.path()))
+                };
                 all.clone().filter(there).flat_map(files).collect()
             })?;
             let has_truth = |frame: u32| truth_folder(folder, frame).join(TRUTH_IS_THERE).exists();
-            let is_there = |frame: u32| names.are_there(frame, &eyes) && (!arguments.ground_truth || has_truth(frame));
+            let is_there =
+                |frame: u32| names.are_there(frame, &content) && (!arguments.ground_truth || has_truth(frame));
             range.clone().filter(|frame| !is_there(*frame)).collect::<Vec<_>>()
         }
         None => range.clone().collect(),
     };
 
     stage.options = stage.options.linear(is_open_exr(&arguments.out) || film.shutter.is_some());
-    if !arguments.subject.picture.gives("history") && film.shutter.is_none() {
+    if !arguments.subject.picture.gives("history") && film.shutter.is_none() && grid.is_none() {
         stage.options = stage.options.history(HISTORY);
     }
     if arguments.ground_truth {
@@ -137,13 +156,23 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
             }
             picture(&mut stage, &film, earlier, &mut progress)?;
         }
-        let pair = picture(&mut stage, &film, frame, &mut progress)?;
-        last = Some(frame);
+        let files = names.files(frame, &content);
         let mut batch = Batch::new();
-        if let (Some(truth), Names::Folder(folder)) = (&mut truth, &names) {
-            truth.add(&mut batch, &stage, &film, frame, &pair, &truth_folder(folder, frame))?;
-        }
-        size = match names.write(batch, &pair, frame, &eyes) {
+        let written = match &content {
+            Content::Quilt(grid, fan) => {
+                let quilt = film.quilt(&mut stage, frame, *grid, fan, &mut progress)?;
+                Rendered::Quilt(quilt, arguments.eyes.quality).write(batch, &files)
+            }
+            Content::Eyes(eyes) => {
+                let pair = picture(&mut stage, &film, frame, &mut progress)?;
+                last = Some(frame);
+                if let (Some(truth), Names::Folder(folder)) = (&mut truth, &names) {
+                    truth.add(&mut batch, &stage, &film, frame, &pair, &truth_folder(folder, frame))?;
+                }
+                Rendered::Pair(&pair, eyes).write(batch, &files)
+            }
+        };
+        size = match written {
             // The signal may also have ended the program that reads the pipe.
             Err(_) if names == Names::Stdout && stop.is_asked_for() => return Err(interrupted().into()),
             written => written?,
@@ -152,10 +181,15 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     }
     progress.clear();
     let seconds = begin.elapsed().as_secs_f64();
+    if let Names::Film(paths) = &names {
+        let marking = if let Content::Eyes(eyes) = &content { Marking::of(eyes) } else { None };
+        ffmpeg::make(paths, &range, film.fps, marking, &stop)?;
+    }
 
     let (made, kept) = (pending.len(), range.len() - pending.len());
     let place = names.folder().map_or("standard output".into(), shown);
-    let mut text = format!("{} in {place}: {seconds:.1} s", counted(made, "pair", "pairs"));
+    let (one, many) = if grid.is_some() { ("quilt", "quilts") } else { ("pair", "pairs") };
+    let mut text = format!("{} in {place}: {seconds:.1} s", counted(made, one, many));
     if made > 0 {
         write!(text, ", {:.0} ms each", 1e3 * seconds / made as f64)?;
     }
@@ -163,6 +197,17 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     if names == Names::Stdout {
         let [width, height] = size;
         writeln!(text, "ffmpeg reads them with -f rawvideo -pixel_format rgb24 -video_size {width}x{height} -i -")?;
+    }
+    if let Names::Film(paths) = &names {
+        let film = shown(&paths.film);
+        writeln!(
+            text,
+            "{film} has {}; its folder of pictures may be removed",
+            counted(range.len(), "picture", "pictures")
+        )?;
+        if let Some([columns, rows]) = grid.filter(|_| !film.contains("_qs")) {
+            writeln!(text, "players of quilts read the layout from a name that ends in _qs{columns}x{rows}aASPECT")?;
+        }
     }
     let json = json!({
         "version": env!("CARGO_PKG_VERSION"),
@@ -175,6 +220,37 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         "size": size,
     });
     Ok(Summary { text, json, to_stderr: names == Names::Stdout, ..Summary::default() })
+}
+
+impl Arguments {
+    /// Checks the options that exclude each other.
+    fn check(&self, is_quilt: bool) -> Result<(), Usage> {
+        let has_history = self.subject.picture.gives("history");
+        if self.shutter.is_some() && has_history {
+            let reason = "--shutter and --history exclude each other: a blurred picture has no single time";
+            return Err(Usage(reason.into()));
+        }
+        let of_pairs = [
+            ("--ground-truth", self.ground_truth),
+            ("--shutter", self.shutter.is_some()),
+            ("--history", has_history),
+            ("--packing", self.eyes.packing.is_some()),
+            ("--swap", self.eyes.swap),
+        ];
+        if let Some((name, _)) = of_pairs.into_iter().find(|(_, given)| is_quilt && *given) {
+            return Err(Usage(format!("{name} is for pairs, not for quilts")));
+        }
+        match (&self.frames, self.motion.orbit) {
+            (Some(range), Some(orbit)) if range.end > orbit => Err(self.beyond(orbit)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the error of --frames beyond the end of the sequence.
+    fn beyond(&self, end: u32) -> Usage {
+        let Range { start, end: asked } = self.frames.clone().unwrap_or_default();
+        Usage(format!("--frames {start}..{asked}: the sequence has {end}"))
+    }
 }
 
 /// Renders a picture. The first one of a block depends on no other.
@@ -265,6 +341,22 @@ impl Film {
         stage.render(self.camera(stage, frame)?, options, progress)
     }
 
+    /// Renders the quilt of a picture.
+    fn quilt(
+        &self,
+        stage: &mut Stage,
+        frame: u32,
+        [columns, rows]: [u32; 2],
+        fan: &Fan,
+        progress: &mut Progress,
+    ) -> Result<Picture, stereotrace::Error> {
+        stage.seek(self.seconds(frame.into()))?;
+        let (_, rig) = fan.rig(self.camera(stage, frame.into())?)?;
+        let mut show = |now| progress.show(now);
+        let views = stage.renderer.views(&stage.uploaded, &rig).options(&stage.options).progress(&mut show);
+        quilt(&views.read().wait()?, columns, rows)
+    }
+
     /// Returns the camera of a picture.
     fn camera(&self, stage: &Stage, frame: f64) -> Result<StereoCamera, stereotrace::Error> {
         match (&self.motion, &stage.playing) {
@@ -329,113 +421,4 @@ fn earlier_in_block(options: &Options, frame: u32, last: Option<u32>) -> Range<u
     let begin = frame - frame % BLOCK;
     let first = last.filter(|last| *last >= begin).map_or(begin, |last| last + 1);
     if options.has_history() { first..frame } else { frame..frame }
-}
-
-/// Names of the pictures.
-#[derive(Clone, Debug, PartialEq, Eq)]
-enum Names {
-    /// Several files for each pair, in this folder.
-    Folder(PathBuf),
-    /// One file for each pair. `before` and `behind` are the parts of its name around the number.
-    Numbered { folder: PathBuf, before: String, digits: usize, behind: String },
-    /// Raw pictures on standard output.
-    Stdout,
-}
-
-impl Names {
-    fn of(out: &Path) -> Result<Self, Box<dyn Error>> {
-        if out.as_os_str() == "-" {
-            return Ok(Self::Stdout);
-        }
-        let target = Target::of(out)?;
-        let Target::File(file) = target else { return Ok(Self::Folder(out.to_owned())) };
-        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let parts = name.split_once('%').and_then(|(before, rest)| {
-            let (digits, behind) = rest.split_once('d')?;
-            let digits = if digits.is_empty() { Some(1) } else { digits.parse().ok() };
-            digits.filter(|digits| *digits <= 9).map(|digits| (before.to_owned(), digits, behind.to_owned()))
-        });
-        let Some((before, digits, behind)) = parts else {
-            let advice = "give a name with a number format, like frame_%04d.png, or a folder";
-            return Err(format!("{}: several pictures can't share one name; {advice}", shown(&file)).into());
-        };
-        Ok(Self::Numbered { folder: file.parent().unwrap_or(Path::new("")).to_owned(), before, digits, behind })
-    }
-
-    fn folder(&self) -> Option<&Path> {
-        match self {
-            Self::Folder(folder) | Self::Numbered { folder, .. } => Some(folder),
-            Self::Stdout => None,
-        }
-    }
-
-    /// Returns the files of a pair.
-    fn files(&self, frame: u32, eyes: &EyesArguments) -> Vec<PathBuf> {
-        match self {
-            Self::Folder(folder) => {
-                let both = eyes.packing.map_or("anaglyph".into(), |packing| packing.to_string());
-                ["left", "right", &both].map(|name| folder.join(format!("{name}_{frame:04}.png"))).to_vec()
-            }
-            Self::Numbered { folder, before, digits, behind } => {
-                let digits = *digits;
-                vec![folder.join(format!("{before}{frame:0digits$}{behind}"))]
-            }
-            Self::Stdout => Vec::new(),
-        }
-    }
-
-    fn are_there(&self, frame: u32, eyes: &EyesArguments) -> bool {
-        self.files(frame, eyes).iter().all(|file| file.exists())
-    }
-
-    /// Writes all files of a pair and those of the batch, or none. Returns the size of the picture of both eyes.
-    fn write(
-        &self,
-        mut batch: Batch,
-        pair: &StereoPair,
-        frame: u32,
-        eyes: &EyesArguments,
-    ) -> Result<[u32; 2], Box<dyn Error>> {
-        let both = eyes.picture(&pair.left, &pair.right);
-        match &*self.files(frame, eyes) {
-            [] => {
-                let rgb: Vec<u8> = both.rgba8.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect();
-                io::stdout().write_all(&rgb).map_err(|error| format!("standard output: {error}"))?;
-            }
-            [one] => add_pair(&mut batch, one, pair, None, eyes)?,
-            files => {
-                let (left, right) = eyes.ordered(&pair.left, &pair.right);
-                for (file, picture) in files.iter().zip([left.picture(), right.picture(), both.clone()]) {
-                    batch.add_png(file, &picture)?;
-                }
-            }
-        }
-        batch.commit()?;
-        Ok([both.width, both.height])
-    }
-}
-
-/// Writes the record of the pictures' settings and inputs. If the folder has the same record, its pictures are kept.
-/// Pictures of another record are an error. With `overwrite` they are removed first, so that an interrupted sequence
-/// does not contain them.
-fn keep(
-    record: &Value,
-    folder: &Path,
-    overwrite: bool,
-    there: impl FnOnce() -> Vec<PathBuf>,
-) -> Result<(), Box<dyn Error>> {
-    let file = folder.join(RECORD);
-    let found = fs::read(&file).ok();
-    let same = found.as_ref().is_some_and(|bytes| serde_json::from_slice::<Value>(bytes).is_ok_and(|it| it == *record));
-    if same && !overwrite {
-        return Ok(());
-    }
-    for picture in there().into_iter().filter(|picture| picture.exists()) {
-        if !overwrite {
-            let advice = "was made with different files, settings or version; use another folder, or --overwrite";
-            return Err(format!("{}: it {advice}", shown(&picture)).into());
-        }
-        fs::remove_file(&picture).map_err(|error| format!("{}: {error}", shown(&picture)))?;
-    }
-    Ok(write_whole(&file, format!("{record:#}\n").as_bytes())?)
 }

@@ -3,34 +3,39 @@
 
 use std::{
     error::Error,
-    fmt::Write,
-    fs,
+    fmt, fs,
     path::{Path, PathBuf},
     time::Instant,
 };
 
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 use stereotrace::{
-    GBuffer, Method, Rig, Views,
+    GBuffer, Method, Pose, Rig, Views,
     blocking::Wait,
     message::counted,
     metrics::compare,
     output::{Batch, quilt, quilt_name},
 };
 
+use super::{
+    quilt::{Fan, QuiltArguments, count_of},
+    report::{line, scene_line},
+};
 use crate::{
-    arguments::{Global, Purpose, Stage, Subject, size},
+    arguments::{Global, Purpose, Stage, Subject},
     progress::Progress,
     shown,
     summary::Summary,
     target::{Target, add_picture},
     truth::add_truth_of,
+    usage::Usage,
 };
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// Number of views. Neighbours are one interaxial apart [default: the number that fills the quilt, or 8]
+    /// Number of views. Without --cone or a quilt, neighbours are one interaxial apart [default: the number that fills
+    /// the quilt, or 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     views: Option<u32>,
     /// Number of rows of views, one interaxial apart, for a grid of cameras. --views is then the number of a row's
@@ -39,18 +44,14 @@ pub(crate) struct Arguments {
         long,
         value_name = "N",
         default_value_t = 1,
-        conflicts_with_all = ["quilt", "compare"],
+        conflicts_with_all = ["quilt", "display", "compare"],
         value_parser = clap::value_parser!(u32).range(1..=64)
     )]
     rows: u32,
     /// Also write the ground truth of each view and the next one in its row, and the one below it, into folders such as
     /// pair_0000_0001. Pairs of an upper and a lower view are turned counterclockwise, as their pictures there are
-    #[arg(long, conflicts_with = "quilt")]
+    #[arg(long, conflicts_with_all = ["quilt", "display"])]
     ground_truth: bool,
-    /// Write a quilt for light-field displays: one picture of C columns and R rows, with the first view at the bottom
-    /// left
-    #[arg(long, value_name = "CxR", value_parser = size, allow_hyphen_values = true)]
-    quilt: Option<[u32; 2]>,
     /// A folder, where a quilt gets the name that displays expect (NAME_qsCxRaASPECT.png); or the quilt's file
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
     out: PathBuf,
@@ -61,6 +62,8 @@ pub(crate) struct Arguments {
     #[arg(long)]
     compare: bool,
     #[command(flatten)]
+    quilt: QuiltArguments,
+    #[command(flatten)]
     subject: Subject,
 }
 
@@ -68,16 +71,23 @@ pub(crate) struct Arguments {
 const VIEWS: u32 = 8;
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
-    let count = count(arguments)?;
+    let quilt_grid = arguments.quilt.grid()?;
+    let count = count_of(quilt_grid, arguments.views, VIEWS)?;
     let target = Target::of(&arguments.out)?;
-    let mut stage = arguments.subject.open(Purpose::Pictures, global)?;
-    if arguments.ground_truth {
-        if let Target::File(file) = &target {
-            return Err(format!("{}: --ground-truth writes many files; use a folder", shown(file)).into());
+    match &target {
+        Target::File(file) if arguments.ground_truth => {
+            return Err(Usage(format!("{}: --ground-truth writes many files; use a folder", shown(file))).into());
         }
-        stage.options.g_buffer = GBuffer::Ids;
+        Target::File(file) if quilt_grid.is_none() && count * arguments.rows > 1 => {
+            return Err(Usage(format!("{}: a file holds only one view; use a folder, or a quilt", shown(file))).into());
+        }
+        _ => {}
     }
-    let rigs = rigs(&stage, (count, arguments.rows))?;
+    let subject = arguments.quilt.sized(&arguments.subject);
+    let mut stage = subject.open(Purpose::Pictures, global)?;
+    stage.options.g_buffer = if arguments.ground_truth { GBuffer::Ids } else { GBuffer::Depth };
+    let fan = arguments.quilt.fan(count, &subject, &mut stage)?;
+    let rigs = rigs(&stage, &fan, arguments.rows)?;
     let begin = Instant::now();
     let mut progress = Progress::new(global, arguments.rows);
     let mut grid = Vec::new();
@@ -95,7 +105,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     if let (true, Target::Folder(folder)) = (arguments.ground_truth, &target) {
         add_pairs(&mut batch, &stage, &grid, folder)?;
     }
-    match (arguments.quilt, &target) {
+    match (quilt_grid, &target) {
         (Some([columns, rows]), Target::Folder(folder)) => {
             let name = quilt_name(&stage.name, views, columns, rows);
             batch.add_png(folder.join(name), &quilt(views, columns, rows)?)?;
@@ -108,26 +118,28 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
                 batch.add_png(folder.join(format!("view_{index:04}.png")), &view.view.picture())?;
             }
         }
-        (None, Target::File(file)) => match &*views.views {
-            [only] if grid.len() == 1 => add_picture(&mut batch, file, &only.view.picture(), arguments.quality)?,
-            _ => {
-                return Err(format!("{}: a file holds only one view; use a folder, or --quilt CxR", shown(file)).into());
+        (None, Target::File(file)) => {
+            for view in &views.views {
+                add_picture(&mut batch, file, &view.view.picture(), arguments.quality)?;
             }
-        },
+        }
     }
     let files = batch.commit()?;
 
     let traced = |row: &Views| row.views.iter().enumerate().filter(|(index, view)| view.made_from == *index).count();
     let traced = grid.iter().map(traced).sum::<usize>();
     let count = count * arguments.rows;
-    let written = match &*files {
-        [file] => shown(file),
-        _ => format!("{} of {}", counted(files.len(), "file", "files"), shown(&arguments.out)),
-    };
-    let mut text = format!("{} of which {traced} traced, in {written}: {ms:.1} ms\n", counted(count, "view", "views"));
+    let seen = Seen::of(&grid);
+    let mut text = String::new();
+    line(&mut text, "adapter", stage.renderer.gpu().adapter_name())?;
+    line(&mut text, "scene", scene_line(&stage))?;
+    let made = format!("{}, {traced} of them traced, in {:.1} s", counted(count, "view", "views"), ms / 1e3);
+    line(&mut text, "views", made)?;
+    let pose = views.pose;
+    seen.write(&mut text, &pose, &fan)?;
     let others = (stage.options.count && traced < count as usize).then(|| views.other_views());
     if let Some(others) = others {
-        writeln!(text, "each other view costs {others:.3} of a traced view, by counters")?;
+        line(&mut text, "work", format!("each other view costs {others:.3} of a traced view, by counters"))?;
     }
     let mut difference = None;
     if arguments.compare {
@@ -135,13 +147,19 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         let found =
             Compared::of(views, &stage.renderer.views(&stage.uploaded, &rigs[0]).options(&truth).read().wait()?)?;
         let Compared { mean, least, wrong } = found;
-        writeln!(
-            text,
-            "against naive: {mean:.3}% identical, {least:.3}% in the worst view; wrong surface at most {wrong:.3}%"
-        )?;
+        let figures = format!("{mean:.3}% identical, {least:.3}% in the worst view; wrong surface at most {wrong:.3}%");
+        line(&mut text, "to naive", figures)?;
         difference = Some(json!({
             "identical_percent": mean, "identical_percent_of_worst": least, "wrong_surface_percent_of_worst": wrong
         }));
+    }
+    match &*files {
+        [file] => line(&mut text, "wrote", file.display())?,
+        _ => line(
+            &mut text,
+            "wrote",
+            format!("{} into {}", counted(files.len(), "file", "files"), shown(&arguments.out)),
+        )?,
     }
     let json = json!({
         "version": env!("CARGO_PKG_VERSION"),
@@ -150,6 +168,15 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         "views": count,
         "traced": traced,
         "ms": ms,
+        "camera": {
+            "size": pose.size,
+            "cone_degrees": fan.cone,
+            "screen_distance": pose.screen_distance,
+            "interaxial": pose.interaxial,
+            "interaxial_px": pose.interaxial_px,
+        },
+        "depth": seen.json(),
+        "comfort": { "parallax_px": seen.parallax(&pose), "warnings": seen.warnings(&pose) },
         "other_views": others,
         "to_naive": difference,
         "files": Vec::from_iter(files.iter().map(|file| file.to_string_lossy())),
@@ -158,13 +185,14 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
 }
 
 /// Returns the rigs of the rows, from the top down.
-fn rigs(stage: &Stage, (count, rows): (u32, u32)) -> Result<Vec<Rig>, stereotrace::Error> {
+fn rigs(stage: &Stage, fan: &Fan, rows: u32) -> Result<Vec<Rig>, stereotrace::Error> {
+    let (camera, rig) = fan.rig(stage.camera)?;
     if rows == 1 {
-        return Ok(vec![Rig::row(stage.camera, count as usize)]);
+        return Ok(vec![rig]);
     }
-    let interaxial = f64::from(stage.camera.pose()?.interaxial);
+    let interaxial = f64::from(camera.pose()?.interaxial);
     let height = |row: u32| (0.5 * f64::from(rows - 1) - f64::from(row)) * interaxial;
-    (0..rows).map(|row| Ok(Rig::row(stage.camera.raised(height(row))?, count as usize))).collect()
+    (0..rows).map(|row| Ok(Rig::at(camera.raised(height(row))?, rig.offsets().to_vec()))).collect()
 }
 
 /// Adds the ground truth of neighbours, with their pictures.
@@ -188,19 +216,81 @@ fn add_pairs(batch: &mut Batch, stage: &Stage, grid: &[Views], folder: &Path) ->
     Ok(())
 }
 
-/// Returns the number of views of a row.
-///
-/// # Errors
-/// Fails if the number does not fill the quilt, or a quilt has more than 1024 views.
-fn count(arguments: &Arguments) -> Result<u32, String> {
-    let Some([columns, rows]) = arguments.quilt else { return Ok(arguments.views.unwrap_or(VIEWS)) };
-    let places = columns.checked_mul(rows).filter(|places| (1..=1024).contains(places));
-    let places = places.ok_or(format!("a quilt of {columns}x{rows}: it must have 1 to 1024 views"))?;
-    match arguments.views {
-        Some(count) if count != places => {
-            Err(format!("a quilt of {columns}x{rows} is not filled by {}", counted(count, "view", "views")))
+/// Depths of the surfaces that the views show, in world units.
+#[derive(Clone, Copy, Debug)]
+struct Depths {
+    nearest: f32,
+    /// The view that has the nearest one.
+    nearest_in: usize,
+    farthest: f32,
+}
+
+/// What the views show; `None` if they show only sky.
+#[derive(Clone, Copy, Debug)]
+struct Seen(Option<Depths>);
+
+impl Seen {
+    fn of(grid: &[Views]) -> Self {
+        let views = grid.iter().flat_map(|row| &row.views).enumerate();
+        let depths = views.flat_map(|(view, rendered)| rendered.view.depth.iter().map(move |&depth| (view, depth)));
+        let surfaces = depths.filter(|(_, depth)| depth.is_finite());
+        Self(surfaces.fold(None, |seen, (view, depth)| {
+            let mut seen = seen.unwrap_or(Depths { nearest: depth, nearest_in: view, farthest: depth });
+            if depth < seen.nearest {
+                (seen.nearest, seen.nearest_in) = (depth, view);
+            }
+            seen.farthest = seen.farthest.max(depth);
+            Some(seen)
+        }))
+    }
+
+    /// Returns the parallax between neighbours of the nearest and of the farthest surface, in pixels.
+    fn parallax(self, pose: &Pose) -> Option<[f32; 2]> {
+        self.0.map(|seen| [pose.parallax_px(seen.nearest), pose.parallax_px(seen.farthest)])
+    }
+
+    fn warnings(self, pose: &Pose) -> Vec<String> {
+        match self.0 {
+            None => vec!["all views show only sky: check --eye and --target".into()],
+            Some(Depths { nearest, nearest_in, .. })
+                if pose.screen_distance.is_finite() && nearest < 0.5 * pose.screen_distance =>
+            {
+                let what = format!("view {nearest_in} has a surface at {nearest:.4}, nearer than half the focus");
+                vec![format!("{what}: use a smaller --cone, or another --eye or --screen")]
+            }
+            Some(_) => Vec::new(),
         }
-        _ => Ok(places),
+    }
+
+    fn json(self) -> Value {
+        self.0.map_or(Value::Null, |seen| json!({ "nearest": seen.nearest, "farthest": seen.farthest }))
+    }
+
+    /// Writes the lines of camera, depth and comfort.
+    fn write(self, text: &mut String, pose: &Pose, fan: &Fan) -> fmt::Result {
+        let ([width, height], e, px) = (pose.size, pose.interaxial, pose.interaxial_px);
+        let cone = fan.cone.map_or(String::new(), |degrees| format!(", {degrees} degrees from first to last"));
+        line(text, "camera", format!("{width}x{height}, neighbours {e:.4} apart ({px:.2} px){cone}"))?;
+        let screen = pose.screen_distance;
+        line(text, "focus", format!("{screen:.4} from the eyes; {}", sharp(pose)))?;
+        if let (Some(seen), Some([front, back])) = (self.0, self.parallax(pose)) {
+            line(text, "depth", format!("surfaces from {:.4} to {:.4}", seen.nearest, seen.farthest))?;
+            let percent = 100.0 / pose.size[0] as f32;
+            let (front_percent, back_percent) = (front * percent, back * percent);
+            let share = format!("{front_percent:.2}% to {back_percent:.2}% of the width");
+            line(text, "comfort", format!("parallax of neighbours {front:.1} to {back:.1} px ({share})"))?;
+        }
+        self.warnings(pose).iter().try_for_each(|warning| line(text, "warning", warning))
+    }
+}
+
+/// Returns a phrase for the depths at which neighbours differ by at most a pixel, so that a display shows no steps.
+fn sharp(pose: &Pose) -> String {
+    let (px, d) = (pose.interaxial_px, pose.screen_distance);
+    match (d.is_infinite(), px > 1.0) {
+        (true, _) => "the views are parallel".into(),
+        (false, false) => format!("sharp from {:.4} on", d / (1.0 + 1.0 / px)),
+        (false, true) => format!("sharp from {:.4} to {:.4}", d / (1.0 + 1.0 / px), d / (1.0 - 1.0 / px)),
     }
 }
 

@@ -1,0 +1,209 @@
+//! Quilts: the grid of views, the display that it is for, and the cone that the views cover.
+
+use std::error::Error;
+
+use clap::{Args, ValueEnum};
+use stereotrace::{GBuffer, Method, Options, Rig, StereoCamera, blocking::Wait, message::counted};
+
+use crate::{
+    arguments::{PREVIEW, Stage, Subject, size},
+    usage::Usage,
+};
+
+/// Degrees between the outermost views of a quilt, unless an option sets them.
+const CONE: f32 = 40.0;
+/// Most views of a quilt.
+const MOST: u32 = 1024;
+/// Shares of the middle's surfaces that are nearer than the nearest and than the farthest one that the focus counts.
+/// Single pixels at silhouettes do not move it.
+const COUNTED: [f32; 2] = [0.05, 0.95];
+
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Quilt")]
+pub(super) struct QuiltArguments {
+    /// Write a quilt for light-field displays: one picture of C columns and R rows of views. The first, leftmost view
+    /// is at the bottom left. Unless an option, a
+    /// file of cameras or a built-in scene sets the screen, it is at the surfaces in the picture's middle
+    #[arg(long, value_name = "CxR", value_parser = size, allow_hyphen_values = true)]
+    quilt: Option<[u32; 2]>,
+    /// Write a quilt with the columns, rows and pixels that this display's maker recommends
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["quilt", "size_said"])]
+    display: Option<Display>,
+    /// Angle in degrees between the outermost views, seen from the middle of the screen [default: 40 for a quilt, unless
+    /// --interaxial, --interaxial-px, --comfort or --calib sets the distance of neighbours]
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        value_parser = cone,
+        allow_hyphen_values = true,
+        conflicts_with_all = ["interaxial", "interaxial_px", "comfort", "calib"]
+    )]
+    cone: Option<f32>,
+}
+
+/// Light-field displays whose quilts are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Display {
+    /// Looking Glass Go: 11x6 views, 4092x4092 pixels
+    LookingGlassGo,
+    /// Looking Glass Portrait: 8x6 views, 3360x3360 pixels
+    LookingGlassPortrait,
+    /// Looking Glass 16" Landscape: 7x7 views, 5999x5999 pixels
+    #[value(name = "looking-glass-16")]
+    LookingGlass16,
+}
+
+impl Display {
+    /// Returns the number of columns and of rows.
+    fn grid(self) -> [u32; 2] {
+        match self {
+            Self::LookingGlassGo => [11, 6],
+            Self::LookingGlassPortrait => [8, 6],
+            Self::LookingGlass16 => [7, 7],
+        }
+    }
+
+    /// Returns the size of a view in pixels.
+    fn view(self) -> [u32; 2] {
+        let side = match self {
+            Self::LookingGlassGo => 4092,
+            Self::LookingGlassPortrait => 3360,
+            Self::LookingGlass16 => 5999,
+        };
+        self.grid().map(|count| side / count)
+    }
+
+    /// Returns the display's width divided by its height.
+    fn aspect(self) -> f64 {
+        match self {
+            Self::LookingGlassGo => 9.0 / 16.0,
+            Self::LookingGlassPortrait => 3.0 / 4.0,
+            Self::LookingGlass16 => 16.0 / 9.0,
+        }
+    }
+
+    /// Returns the size of a view with square pixels and the display's shape. A quilt's pixels need not be square.
+    fn square(self) -> [u32; 2] {
+        let [_, height] = self.view();
+        [(self.aspect() * f64::from(height)).round() as u32, height]
+    }
+}
+
+fn cone(text: &str) -> Result<f32, String> {
+    let degrees = text.parse().ok().filter(|&degrees: &f32| degrees > 0.0 && degrees <= 150.0);
+    degrees.ok_or_else(|| "it must be an angle above 0, and at most 150 degrees".into())
+}
+
+impl QuiltArguments {
+    /// Returns the columns and rows of the quilt, or `None` if no option asks for one.
+    pub(super) fn grid(&self) -> Result<Option<[u32; 2]>, Usage> {
+        let Some([columns, rows]) = self.quilt.or(self.display.map(Display::grid)) else { return Ok(None) };
+        match columns.checked_mul(rows) {
+            Some(1..=MOST) => Ok(Some([columns, rows])),
+            _ => Err(Usage(format!("--quilt {columns}x{rows}: it must have 1 to {MOST} views"))),
+        }
+    }
+
+    /// Returns the subject with the size of the display's views, if a display is given.
+    pub(super) fn sized(&self, subject: &Subject) -> Subject {
+        self.display.map_or_else(|| subject.clone(), |display| subject.sized(display.square()))
+    }
+
+    /// Returns the eyes of `count` views, and moves a quilt's screen to the subject unless an option sets it.
+    ///
+    /// # Errors
+    /// Fails if eyes on a cone would look at a screen at infinity.
+    pub(super) fn fan(&self, count: u32, subject: &Subject, stage: &mut Stage) -> Result<Fan, Box<dyn Error>> {
+        let is_quilt = self.quilt.is_some() || self.display.is_some();
+        if is_quilt
+            && !(subject.screen_is_said() || subject.comfort_is_said() || subject.is_builtin())
+            && let Some(distance) = subject_distance(stage)?
+        {
+            let pose = stage.camera.pose()?;
+            let camera = stage.camera.interaxial(pose.interaxial);
+            // The field of view stays, also where the screen's width sets it.
+            let intrinsics = pose.intrinsics();
+            let camera = intrinsics.map_or(camera, |intrinsics| camera.intrinsics(intrinsics));
+            stage.camera = camera.screen_distance(distance);
+        }
+        let usual = (is_quilt && !subject.interaxial_is_said()).then_some(CONE);
+        let fan = Fan { count, cone: self.cone.or(usual), display: self.display };
+        if fan.cone.is_some() && stage.camera.pose()?.screen_distance.is_infinite() {
+            return Err(Usage("--cone: the views need a screen at a finite distance; give --screen".into()).into());
+        }
+        Ok(fan)
+    }
+}
+
+/// Eyes from left to right that look through one screen.
+#[derive(Clone, Debug)]
+pub(super) struct Fan {
+    count: u32,
+    /// Degrees between the outermost eyes, or `None` for neighbours that are an interaxial apart.
+    pub(super) cone: Option<f32>,
+    /// Display whose views have other pixels than the camera.
+    display: Option<Display>,
+}
+
+impl Fan {
+    /// Returns the camera, whose interaxial is the mean distance of neighbours, and its eyes.
+    ///
+    /// Eyes differ by equal angles, as the maker of the displays has them.
+    pub(super) fn rig(&self, camera: StereoCamera) -> Result<(StereoCamera, Rig), stereotrace::Error> {
+        let mut camera = camera;
+        let pose = camera.pose()?;
+        if let (Some(display), Some(intrinsics)) = (self.display, pose.intrinsics()) {
+            let size = display.view();
+            let [x, y] = [0, 1].map(|axis| f64::from(size[axis]) / f64::from(pose.size[axis]));
+            let mut intrinsics = intrinsics.scaled([x, y]);
+            intrinsics.fx = intrinsics.fy * f64::from(size[0]) / (f64::from(size[1]) * display.aspect());
+            camera = camera.interaxial(pose.interaxial).size(size[0], size[1]).intrinsics(intrinsics);
+            camera = camera.screen_distance(pose.screen_distance);
+        }
+        let (Some(cone), 2..) = (self.cone, self.count) else {
+            return Ok((camera, Rig::row(camera, self.count as usize)));
+        };
+        let last = f64::from(self.count - 1);
+        let angle = |eye: u32| (f64::from(eye) / last - 0.5) * f64::from(cone).to_radians();
+        // In screen distances. The outermost eyes' distance is that of a row with the mean distance of neighbours.
+        let gap = 2.0 * angle(self.count - 1).tan() / last;
+        let camera = camera.interaxial((gap * f64::from(pose.screen_distance)) as f32);
+        let offsets = (0..self.count).map(|eye| (angle(eye).tan() / gap) as f32);
+        Ok((camera, Rig::at(camera, offsets.collect())))
+    }
+}
+
+/// Returns the distance of the subject: the surfaces in the picture's middle have as much parallax before it as behind
+/// it. Returns `None` if there are none.
+fn subject_distance(stage: &mut Stage) -> Result<Option<f32>, stereotrace::Error> {
+    let camera = stage.camera.resized(PREVIEW)?;
+    let options = Options::new(Method::Naive).g_buffer(GBuffer::Depth);
+    let preview = stage.renderer.views(&stage.uploaded, &Rig::mono(camera)).options(&options).read().wait()?;
+    let Some(view) = preview.views.first().map(|view| &view.view) else { return Ok(None) };
+    let (width, height) = (view.width as usize, view.height as usize);
+    let middle = |side: usize| side / 4..side - side / 4;
+    let rows = view.depth.chunks_exact(width).skip(middle(height).start).take(middle(height).len());
+    let depths = rows.flat_map(|row| &row[middle(width)]).copied().filter(|depth| depth.is_finite());
+    let mut nearness = Vec::from_iter(depths.map(f32::recip));
+    nearness.sort_unstable_by(f32::total_cmp);
+    let at = |share: f32| nearness.get((share * nearness.len() as f32) as usize);
+    Ok(match COUNTED.map(at) {
+        [Some(far), Some(near)] => Some(2.0 / (far + near)),
+        _ => None,
+    })
+}
+
+/// Returns the number of views that fill a quilt, or `asked` or `usual` without one.
+///
+/// # Errors
+/// Fails if the number that is asked for does not fill the quilt.
+pub(super) fn count_of(grid: Option<[u32; 2]>, asked: Option<u32>, usual: u32) -> Result<u32, Usage> {
+    let Some([columns, rows]) = grid else { return Ok(asked.unwrap_or(usual)) };
+    match asked {
+        Some(count) if count != columns * rows => {
+            let views = counted(count, "view", "views");
+            Err(Usage(format!("a quilt of {columns}x{rows} is not filled by {views}")))
+        }
+        _ => Ok(columns * rows),
+    }
+}
