@@ -1,6 +1,6 @@
 #!/bin/sh
-# Writes a VR photo and films of 360 and 180 degrees, and reads their metadata back by exiftool and ffprobe. The films
-# are made by the lines in docs/FORMATS.md. Needs apt-get where FFmpeg, mkvtoolnix or exiftool are not there.
+# Writes a VR photo, a film of both eyes, and films of 360 and 180 degrees, and reads their metadata back by exiftool and
+# ffprobe. The films all around are made by the lines in docs/FORMATS.md. Needs apt-get where FFmpeg, mkvtoolnix or exiftool are not there.
 #   sh scripts/check_panorama.sh
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
@@ -31,17 +31,25 @@ expect "$(exiftool -s -ImageSize right.jpg)" 'ImageSize *: 64x64'
 "$command" render builtin:hall --quiet --projection 360 --size 64x32 --out all
 expect "$(exiftool -s -XMP-GPano:all all/left.png)" 'ProjectionType *: equirectangular'
 
-"$command" sequence builtin:hall --quiet --projection 360 --size 128x64 --orbit 3 --out all/frame_%04d.png
-ffmpeg -loglevel error -framerate 30 -i all/frame_%04d.png -c:v libx264 -crf 16 -pix_fmt yuv420p \
-    -metadata:s:v:0 stereo_mode=top_bottom film.mkv
+"$command" sequence builtin:hall --quiet --packing side-by-side --size 64x36 --orbit 3 --out pair.mp4
+told=$(ffprobe -loglevel error -count_frames -show_streams pair.mp4)
+for line in codec_name=h264 width=128 height=36 nb_read_frames=3 color_space=bt709 'type=side by side' inverted=0; do
+    expect "$told" "$line"
+done
+# The stream itself has the frame packing message, which televisions read.
+ffmpeg -loglevel error -i pair.mp4 -c copy -f h264 pair.h264
+expect "$(ffprobe -loglevel error -show_frames pair.h264)" 'side_data_type=Stereo 3D'
+"$command" sequence builtin:hall --quiet --quilt 3x2 --size 31x25 --orbit 2 --out quilt_qs3x2a1.24.mp4
+told=$(ffprobe -loglevel error -show_streams quilt_qs3x2a1.24.mp4)
+for line in width=92 height=50 nb_frames=2; do expect "$told" "$line"; done
+
+"$command" sequence builtin:hall --quiet --projection 360 --size 128x64 --orbit 3 --fps 30 --out film.mkv
 mkvpropedit -q film.mkv --edit track:v1 --set projection-type=1
 ffmpeg -loglevel error -i film.mkv -c copy -strict unofficial film_360_TB.mp4
 told=$(ffprobe -loglevel error -show_streams film_360_TB.mp4)
 for line in width=128 height=128 'type=top and bottom' inverted=0 projection=equirectangular; do expect "$told" "$line"; done
 
-"$command" sequence builtin:hall --quiet --projection 180 --size 64x64 --orbit 3 --out half/frame_%04d.png
-ffmpeg -loglevel error -framerate 30 -i half/frame_%04d.png -c:v libx264 -crf 16 -pix_fmt yuv420p \
-    -metadata:s:v:0 stereo_mode=left_right half.mkv
+"$command" sequence builtin:hall --quiet --projection 180 --size 64x64 --orbit 3 --fps 30 --out half.mkv
 mkvpropedit -q half.mkv --edit track:v1 --set projection-type=1 \
     --set projection-private=0000000000000000000000004000000040000000
 ffmpeg -loglevel error -i half.mkv -c copy -strict unofficial film_180x180_3dh.mp4

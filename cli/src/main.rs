@@ -37,10 +37,11 @@ use clap::{FromArgMatches, error::ErrorKind::DisplayHelpOnMissingArgumentOrSubco
 use stereotrace::message;
 
 use crate::{
-    arguments::{Cli, Command},
+    arguments::{Cli, Command, Subject},
     commands::{bench, compare, dataset, info, render, sequence, views},
     stop::{INTERRUPTED, Interrupted},
     summary::Summary,
+    usage::Usage,
 };
 
 /// Exit status of a wrong command line.
@@ -65,13 +66,18 @@ fn main() -> ExitCode {
         Ok(true) => ExitCode::FAILURE,
         Err(error) => {
             complain(&error.to_string());
-            if error.is::<Interrupted>() { ExitCode::from(INTERRUPTED) } else { ExitCode::FAILURE }
+            match () {
+                () if error.is::<Interrupted>() => ExitCode::from(INTERRUPTED),
+                () if error.is::<Usage>() => ExitCode::from(USAGE),
+                () => ExitCode::FAILURE,
+            }
         }
     }
 }
 
 fn run(cli: &Cli) -> Result<Summary, Box<dyn Error>> {
     let global = &cli.global;
+    cli.command.subject().map_or(Ok(()), Subject::check)?;
     match &cli.command {
         Command::Render(arguments) => render::run(arguments, global),
         Command::Sequence(arguments) => sequence::run(arguments, global),

@@ -4,7 +4,10 @@ use std::{error::Error, ffi::OsString};
 
 use clap::Args;
 
-use crate::{arguments::Global, summary::Summary};
+use crate::{
+    arguments::{Global, Subject},
+    summary::Summary,
+};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
@@ -13,6 +16,13 @@ pub(crate) struct Arguments {
     _all: Vec<OsString>,
 }
 
+impl Arguments {
+    /// Returns no subject, since nothing is rendered.
+    pub(crate) fn subject(&self) -> Option<&Subject> {
+        None
+    }
+}
+
 pub(crate) fn run(_: &Arguments, _: &Global) -> Result<Summary, Box<dyn Error>> {
-    Err("view: this build has no window; get one with: cargo install --locked --path cli".into())
+    Err("view: this build has no window; build the command with its default features to get one".into())
 }

@@ -22,15 +22,16 @@ const NOT_WRITTEN: [&str; 11] = ["avif", "bmp", "gif", "hdr", "heic", "mkv", "mp
 
 /// Options that combine both eyes into one picture.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Both eyes in one picture")]
+#[command(next_help_heading = "How to view it")]
 pub(crate) struct EyesArguments {
     /// Colours of the anaglyph: dubois or dubois-lcd (red-cyan with little ghosting), grey, colour, half-colour,
     /// green-magenta or amber-blue
     #[arg(long, value_name = "KIND", default_value_t)]
     pub(crate) anaglyph: Anaglyph,
     /// Place the eyes side by side, or by another packing, instead of an anaglyph: side-by-side, half-side-by-side,
-    /// cross-eyed, top-bottom, half-top-bottom, row-interlaced, column-interlaced or checkerboard [default: top-bottom
-    /// for --projection 360, side-by-side for 180]
+    /// cross-eyed, top-bottom, half-top-bottom, row-interlaced, column-interlaced or checkerboard
+    ///
+    /// By default it is top-bottom for --projection 360, and side-by-side for 180.
     #[arg(long, value_name = "KIND", conflicts_with = "anaglyph")]
     pub(crate) packing: Option<Packing>,
     /// Exchange the eyes in all output except the re-trace and shadow maps

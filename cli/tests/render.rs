@@ -85,7 +85,7 @@ fn pictures_all_around_have_the_names_that_players_read() {
         printed(&[&fixed[..], more].concat())
     };
     let text = around("360", &["--ground-truth"]);
-    assert!(text.contains("32x16, e = 0.0650, equirectangular"), "{text}");
+    assert!(text.contains("0.0650 apart, in all directions"), "{text}");
     around("180", &["--unit", "10", "--pole-merge", "off"]);
     around("360", &["--packing", "side-by-side", "--pole-merge", "50:80"]);
     let size = |name: &str| image::image_dimensions(folder.file("all").join(name)).unwrap();
@@ -290,7 +290,7 @@ fn one_of_anything_is_singular() {
     let [scene, out] = one_triangle(&folder);
     let cases: [(&[&str], &str); 2] = [
         (&["--lights", "1"], "\nscene      one: 1 triangle, 0 spheres, 1 light\n"),
-        (&["--method", "buffer-1"], "\nmethod     buffer-1: 1 slot per pixel, "),
+        (&["--method", "buffer-1", "--stats"], "\nmethod     buffer-1: 1 slot per pixel, "),
     ];
     for (arguments, expected) in cases {
         let text = printed(&[&SMALL[..], &[&scene, "--out", &out], arguments].concat());
@@ -305,7 +305,7 @@ fn samples_are_those_that_are_asked_for() {
     let command = [&SMALL[..], &["builtin:hall", "--out", &out]].concat();
     let said = |arguments: &[&str]| printed(&[&command, arguments].concat());
     let fault = |arguments: &[&str]| error_of(&[&command, arguments].concat());
-    let text = said(&["--samples", "9", "--filter", "gauss", "--method", "bracket-rays", "--compare"]);
+    let text = said(&["--samples", "9", "--filter", "gauss", "--method", "bracket-rays", "--compare", "--stats"]);
     // Each of 16x12 pixels has 9 samples and one ray through its centre.
     assert!(text.contains("left          1920 ") && text.contains("100.00% of the right eye identical"), "{text}");
     let text = said(&["--adaptive", "8:3", "--method", "bracket-rays", "--compare"]);
@@ -376,7 +376,7 @@ fn limits_take_the_defaults_that_help_prints() {
 fn a_file_is_flattered_unless_it_is_to_be_plain() {
     let folder = Folder::new("studio");
     let [scene, out] = one_triangle(&folder);
-    let command = [&SMALL[..], &[&scene, "--out", &out]].concat();
+    let command = [&SMALL[..], &[&scene, "--stats", "--out", &out]].concat();
     let said = |arguments: &[&str]| printed(&[&command, arguments].concat());
     let primary = |text: &str| {
         let line = text.lines().find(|line| line.trim_start().starts_with("left ")).unwrap().to_owned();
@@ -452,8 +452,83 @@ fn a_command_line_that_says_nothing_possible_ends_with_two_and_one_line() {
     let help = String::from_utf8(nothing.stderr).unwrap();
     assert!(nothing.status.code() == Some(2) && help.contains("Usage: ") && help.contains("render"), "{help}");
     assert_eq!(run(&["render", "nothing.obj"]).status.code(), Some(1));
+    assert_eq!(run(&["render", "builtin:hall", "--cameras", "nothing.json"]).status.code(), Some(1));
     assert!(printed(&["--version"]).starts_with("stereotrace "));
     assert!(printed(&["render", "--help"]).contains("--interaxial-px"));
+}
+
+/// The scene does not exist, so that a command that reads it first ends with 1.
+#[test]
+fn every_command_checks_its_options_before_it_reads_a_file() {
+    let folder = Folder::new("usage");
+    let file = folder.write("file", "").to_str().unwrap().to_owned();
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let below = format!("{file}/pair.png");
+    let cases: [(&str, &[&str], &str); 27] = [
+        ("render", &["--size", "200000x10"], "at most 131072 pixels"),
+        ("render", &["--fov", "180"], "above 0 and below 180 degrees"),
+        ("render", &["--screen", "0"], "between 1e-6 and 1e9, or be inf"),
+        ("render", &["--interaxial", "-1"], "a number of at least 0"),
+        ("render", &["--interaxial-px", "nan"], "a number of at least 0"),
+        ("render", &["--screen", "inf", "--interaxial-px", "3"], "give it in world units"),
+        ("render", &["--eye", "1,2,3", "--target", "1,2,3"], "they must differ"),
+        ("render", &["--projection", "360", "--fov", "40"], "--fov is for planar pictures"),
+        ("render", &["--projection", "360", "--size", "100x100"], "must be twice the height"),
+        ("render", &["--lighting", "paths=4", "--sky-rays", "4"], "paths of light"),
+        ("render", &["--lighting", "paths=4", "--ambient-occlusion", "4"], "paths of light"),
+        ("render", &["--out", &below], "the folder can't be created"),
+        ("render", &["--out", &file], "it is not a folder"),
+        ("render", &["--out", "film.mp4"], "pictures can be written as"),
+        ("render", &["--out", "a.png", "--dump"], "--dump writes many files"),
+        ("sequence", &["--out", "one.png"], "several pictures can't share one name"),
+        ("sequence", &["--out", &out, "--orbit", "5", "--frames", "3..6"], "the sequence has 5"),
+        ("sequence", &["--out", &out, "--shutter", "0.5", "--history", "9"], "exclude each other"),
+        ("sequence", &["--out", &out, "--quilt", "2x2", "--packing", "side-by-side"], "--packing is for pairs"),
+        ("sequence", &["--out", "-", "--ground-truth"], "is not a folder"),
+        ("views", &["--out", "one.png", "--views", "2"], "a file holds only one view"),
+        ("views", &["--quilt", "4x2", "--views", "6"], "is not filled by 6 views"),
+        ("views", &["--quilt", "4000x2000"], "it must have 1 to 1024 views"),
+        ("views", &["--orbit", "8"], "use `stereotrace sequence --quilt CxR --orbit 8`"),
+        ("views", &["--cone", "0"], "above 0, and at most 150 degrees"),
+        ("views", &["--display", "looking-glass-go", "--size", "9x9"], "cannot be used with"),
+        ("dataset", &["--out", "pair.png"], "a data set needs a folder"),
+    ];
+    for (command, options, expected) in cases {
+        let output = run(&[&[command, "nothing.obj"], options].concat());
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(text.contains(expected), "{command} {options:?}: {text}");
+        assert_eq!((output.status.code(), text.lines().count()), (Some(2), 1), "{command} {options:?}: {text}");
+    }
+    for (command, scene) in [("compare", "builtin:nope"), ("info", "builtin:nope"), ("dataset", "builtin:nope")] {
+        assert_eq!(run(&[command, scene]).status.code(), Some(2), "{command}");
+    }
+    assert_eq!(run(&["bench", "--out", &file]).status.code(), Some(2));
+}
+
+#[test]
+fn rays_to_a_black_sky_are_warned_of() {
+    let folder = Folder::new("black_sky");
+    let [scene, out] = one_triangle(&folder);
+    let said = |more: &[&str]| {
+        let command = [&SMALL[..], &[&scene, "--plain", "--sky-light", "4", "--out", &out], more].concat();
+        String::from_utf8(run(&command).stderr).unwrap()
+    };
+    assert!(said(&[]).contains("warning: --sky-rays: the sky is black and gives no light; add --sky"));
+    assert_eq!(said(&["--sky", "0.5"]), "");
+}
+
+#[test]
+fn the_table_names_the_file_to_open_and_keeps_figures_for_stats() {
+    let folder = Folder::new("table");
+    let [scene, out] = one_triangle(&folder);
+    let said = |more: &[&str]| printed(&[&SMALL[..], &[&scene, "--out", &out], more].concat());
+    let text = said(&[]);
+    assert!(text.contains("/anaglyph.png: wear glasses, red (left), cyan (right)\n"), "{text}");
+    assert!(text.contains("comfortable on a display 0.6 m wide\n"), "{text}");
+    assert!(!text.contains("rays ") && !text.contains("re-traced"), "{text}");
+    assert!(said(&["--stats"]).contains("\nre-traced  "));
+    let text = said(&["--packing", "cross-eyed"]);
+    assert!(text.contains("/cross-eyed.png: view it with crossed eyes\n"), "{text}");
 }
 
 #[test]

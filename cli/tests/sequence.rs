@@ -142,13 +142,16 @@ fn views_become_pictures_or_a_quilt_that_they_fill() {
     let out = folder.file("out").to_str().unwrap().to_owned();
     let command = |more: &[&'static str]| [&["views", "builtin:hall", "--size", "16x12"], more].concat();
     let said = |more: &[&'static str]| printed(&[&command(more)[..], &["--out", &out]].concat());
-    assert!(said(&["--views", "6"]).starts_with("6 views of which 1 traced, in 6 files of "));
+    let text = said(&["--views", "6"]);
+    assert!(
+        text.contains("\nviews      6 views, 1 of them traced, in ") && text.contains("\nwrote      6 files into ")
+    );
     assert!(said(&["--quilt", "3x2", "--compare"]).contains("wrong surface at most 0.000%"));
     let grid = folder.file("grid");
     let place = ["--out", grid.to_str().unwrap()];
     let rows = ["--views", "2", "--rows", "2", "--ground-truth", "--screen", "inf", "--interaxial", "0.1"];
     let text = printed(&[&command(&rows)[..], &place].concat());
-    assert!(text.starts_with("4 views of which 2 traced, in "), "{text}");
+    assert!(text.contains("4 views, 2 of them traced, in "), "{text}");
     let size = |name: &str| image::image_dimensions(grid.join(name)).unwrap();
     assert_eq!((size("view_0003.png"), size("pair_0002_0003/im0.png")), ((16, 12), (16, 12)));
     // An upper and a lower view are turned by 90 degrees.
@@ -170,7 +173,96 @@ fn views_become_pictures_or_a_quilt_that_they_fill() {
     printed(&[&command(&["--views", "1", "--out"])[..], &[mono.to_str().unwrap()]].concat());
     assert_eq!(image::image_dimensions(&mono).unwrap(), (16, 12));
     let two = error_of(&[&command(&["--views", "2", "--out"])[..], &[mono.to_str().unwrap()]].concat());
-    assert!(two.ends_with("a file holds only one view; use a folder, or --quilt CxR"), "{two}");
+    assert!(two.ends_with("a file holds only one view; use a folder, or a quilt"), "{two}");
+}
+
+/// A triangle at a depth of 4 before a wall at 8.
+const BEFORE_A_WALL: &str = "v -9 -9 -8\nv 9 -9 -8\nv 0 9 -8\nv -1 -1 -4\nv 1 -1 -4\nv 0 1 -4\nf 1 2 3\nf 4 5 6\n";
+
+#[test]
+fn a_quilt_covers_a_cone_and_is_sharp_at_its_subject() {
+    let folder = Folder::new("cone");
+    let scene = folder.write("wall.obj", BEFORE_A_WALL).to_str().unwrap().to_owned();
+    let out = folder.file("quilt.png").to_str().unwrap().to_owned();
+    let place = ["--eye", "0,0,0", "--target", "0,0,-8", "--size", "16x12", "--json", "--out", &out];
+    let said = |more: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&printed(&[&["views", &scene, "--quilt", "3x2"][..], &place, more].concat())).unwrap()
+    };
+    let camera = |said: &serde_json::Value, name: &str| said["camera"][name].as_f64().unwrap();
+    let quilt = said(&[]);
+    // Both surfaces have the same parallax at 2 / (1/4 + 1/8).
+    assert!((camera(&quilt, "screen_distance") - 16.0 / 3.0).abs() < 1e-4, "{quilt}");
+    let parallax = [0, 1].map(|end| quilt["comfort"]["parallax_px"][end].as_f64().unwrap());
+    assert!(parallax[0] < 0.0 && (parallax[0] + parallax[1]).abs() < 1e-4, "{quilt}");
+    let gap = |degrees: f64| 2.0 * (0.5 * degrees.to_radians()).tan() / 5.0;
+    assert!((camera(&quilt, "interaxial") - gap(40.0) * 16.0 / 3.0).abs() < 1e-4, "{quilt}");
+    let wide = said(&["--cone", "60", "--screen", "8"]);
+    assert!((camera(&wide, "interaxial") - gap(60.0) * 8.0).abs() < 1e-4, "{wide}");
+    let said = said(&["--interaxial", "0.25"]);
+    assert!((camera(&said, "interaxial") - 0.25).abs() < 1e-6 && said["camera"]["cone_degrees"].is_null(), "{said}");
+}
+
+#[test]
+fn a_film_of_quilts_goes_on_where_it_stopped() {
+    let folder = Folder::new("quilts");
+    let [out, one] = ["film", "one.png"].map(|name| folder.file(name).to_str().unwrap().to_owned());
+    let small = ["builtin:spheres", "--size", "16x12", "--quilt", "2x2"];
+    let said = |more: &[&str]| printed(&[&["sequence"][..], &small, &["--orbit", "4", "--out", &out], more].concat());
+    assert!(said(&["--frames", "0..2"]).starts_with("2 quilts in "));
+    assert!(said(&[]).contains("; 2 already existed"));
+    printed(&[&["views"][..], &small, &["--out", &one]].concat());
+    let picture = |name: &str| image::open(folder.file(name)).unwrap().into_rgba8();
+    assert_eq!(picture("film/quilt_0000.png").dimensions(), (32, 24));
+    assert_eq!(picture("film/quilt_0000.png"), picture("one.png"));
+    assert_ne!(picture("film/quilt_0003.png"), picture("one.png"));
+    let message = error_of(&[&["sequence"][..], &small, &["--cone", "9", "--orbit", "4", "--out", &out]].concat());
+    assert!(message.contains("quilt_0000.png: it was made with different"), "{message}");
+}
+
+/// A program in place of FFmpeg, which keeps its arguments and writes the file that its last argument names.
+#[cfg(unix)]
+const FFMPEG: &str = r#"#!/bin/sh
+case "$*" in
+    -version) echo "ffmpeg version VERSION Copyright" ;;
+    *-encoders) echo " V....D libx264  H.264" ;;
+    *) echo "$*" >> "${0%/*}/log"; for last; do :; done; FAULT; echo film > "$last" ;;
+esac
+"#;
+
+#[cfg(unix)]
+#[test]
+fn films_are_made_by_ffmpeg_whole_or_not_at_all() {
+    use std::{os::unix::fs::PermissionsExt, process::Command};
+
+    let folder = Folder::new("ffmpeg");
+    let film = folder.file("a 100%d.mp4");
+    let made = |version: &str, fault: &str, more: &[&str]| {
+        let program = folder.write("bin/ffmpeg", FFMPEG.replace("VERSION", version).replace("FAULT", fault));
+        fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+        let path = format!("{}:/usr/bin:/bin", folder.file("bin").display());
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stereotrace"));
+        command.args([&SMALL[..], &["3", "--out", film.to_str().unwrap()], more].concat());
+        let output = command.env("PATH", path).env("NODEVICE_SELECT", "1").output().unwrap();
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap())
+    };
+    let [_, old] = made("3.4", ":", &[]);
+    assert!(old.contains("films need FFmpeg 4 or newer; this is 3 (3.4)"), "{old}");
+    let [_, fault] = made("n7.1", "echo disk is full >&2; exit 1", &["--packing", "side-by-side"]);
+    assert!(fault.contains("ffmpeg failed (exit status: 1): disk is full") && !film.exists(), "{fault}");
+    let [text, _] = made("N-1-g2", ":", &["--packing", "side-by-side", "--fps", "12.5"]);
+    assert!(text.starts_with("0 pairs in ") && text.contains(" has 3 pictures; its folder"), "{text}");
+    assert_eq!(fs::read(&film).unwrap(), b"film\n");
+    let log = fs::read_to_string(folder.file("bin/log")).unwrap();
+    let lines = Vec::from_iter(log.lines());
+    assert!(lines[1].contains("-framerate 12.5 -start_number 0 -i ") && lines[1].contains("-frames:v 3 "), "{log}");
+    assert!(lines[1].contains("a 100%%d.mp4.frames/frame_%04d.png"), "{log}");
+    assert!(lines[1].contains("frame-packing=3 ") && lines[1].contains("stereo_mode=left_right "), "{log}");
+    assert!(lines[2].contains("film.mkv -c copy -strict unofficial "), "{log}");
+    let left = fs::read_dir(folder.file("a 100%d.mp4.frames")).unwrap().count();
+    assert_eq!(left, 4, "three pictures and their record");
+    made("7", ":", &["--packing", "side-by-side", "--swap", "--overwrite"]);
+    let log = fs::read_to_string(folder.file("bin/log")).unwrap();
+    assert!(log.lines().nth(3).is_some_and(|line| !line.contains("frame-packing")), "{log}");
 }
 
 #[test]

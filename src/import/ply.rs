@@ -285,7 +285,8 @@ impl Content {
     fn into_mesh(self, origin: DVec3, warnings: &mut Warnings) -> Result<Mesh, Fault> {
         if self.counts.is_empty() {
             let points = counted(self.positions.len(), "vertex", "vertices");
-            return Err((None, format!("no faces and {points}; a scene needs faces of 3 corners or more, not points")));
+            let what = format!("it is a point cloud, with {points} and no faces");
+            return Err((None, format!("{what}; a scene needs faces of 3 corners or more")));
         }
         let positions: Vec<Vec3> = self.positions.iter().map(|position| (position - origin).as_vec3()).collect();
         let mut mesh = Mesh::new(Vec::new(), Vec::with_capacity(self.corners.len() - 2 * self.counts.len()));

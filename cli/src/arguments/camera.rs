@@ -10,12 +10,16 @@ use stereotrace::{
 };
 
 use super::values::{
-    LensArgument, PoleMergeArgument, ProjectionArgument, above_zero, display, lens, point, pole_merge, projection,
+    LensArgument, PoleMergeArgument, ProjectionArgument, above_zero, display, field_of_view, interaxial, lens, point,
+    pole_merge, projection, screen,
 };
-use crate::{shown, studio};
+use crate::{shown, studio, usage::Usage};
+
+/// Heading of the options that decide how deep the picture looks.
+const DEPTH: &str = "How deep the picture is";
 
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Camera")]
+#[command(next_help_heading = "Where the camera is")]
 pub(crate) struct CameraArguments {
     /// JSON file of cameras by name. The options below replace parts of the chosen camera
     #[arg(long, value_name = "FILE")]
@@ -34,21 +38,28 @@ pub(crate) struct CameraArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     up: Option<DVec3>,
     /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", value_parser = field_of_view, allow_hyphen_values = true)]
     fov: Option<f32>,
     /// Distance of the screen, the plane of zero parallax, in world units (convergence distance); inf for parallel
     /// cameras
-    #[arg(long, value_name = "D|inf", allow_hyphen_values = true)]
+    #[arg(long, help_heading = DEPTH, value_name = "D|inf", value_parser = screen, allow_hyphen_values = true)]
     pub(super) screen: Option<f32>,
     /// Distance between the eyes in world units (baseline, interpupillary distance, IPD)
-    #[arg(long, value_name = "E", allow_hyphen_values = true)]
+    #[arg(long, help_heading = DEPTH, value_name = "E", value_parser = interaxial, allow_hyphen_values = true)]
     interaxial: Option<f32>,
     /// Distance between the eyes in pixels; equals the parallax at infinity
-    #[arg(long, value_name = "E", allow_hyphen_values = true, conflicts_with = "interaxial")]
+    #[arg(
+        long,
+        help_heading = DEPTH,
+        value_name = "E",
+        value_parser = interaxial,
+        allow_hyphen_values = true,
+        conflicts_with = "interaxial"
+    )]
     interaxial_px: Option<f32>,
     /// Turn the eyes towards each other (toed-in convergence). Both views are then traced, and points have vertical
     /// parallax
-    #[arg(long)]
+    #[arg(long, help_heading = DEPTH)]
     toe_in: bool,
     /// Projection: planar, or 360 or 180 for equirectangular pictures of so many degrees, for headsets. Their eyes turn
     /// with the direction of view. Middle of the picture is the target's direction, and its vertical axis is --up
@@ -82,6 +93,7 @@ pub(crate) struct CameraArguments {
     /// DISTANCE metres
     #[arg(
         long,
+        help_heading = DEPTH,
         value_name = "WIDTH:DISTANCE",
         value_parser = display,
         conflicts_with_all = ["screen", "interaxial", "interaxial_px", "calib"]
@@ -117,6 +129,32 @@ impl CameraArguments {
             [] => Err(format!("--camera {name}: the scene has no cameras; give a file of cameras with --cameras")),
             names => Err(format!("--camera {name}: the scene file has {}", names.join(", "))),
         }
+    }
+
+    /// Checks the options that exclude each other, for pictures of this size.
+    pub(super) fn check(&self, size: [u32; 2]) -> Result<(), Usage> {
+        if let (Some(eye), Some(target)) = (self.eye, self.target)
+            && eye == target
+        {
+            return Err(Usage(format!("--eye and --target are both at {eye}; they must differ")));
+        }
+        if self.screen == Some(f32::INFINITY) && self.interaxial_px.is_some() {
+            let reason = "parallel cameras have no parallax at infinity; give it in world units, by --interaxial";
+            return Err(Usage(format!("--interaxial-px: {reason}")));
+        }
+        let Some(span) = self.span() else { return Ok(()) };
+        let planar = [
+            ("--fov", self.fov.is_some()),
+            ("--screen", self.screen.is_some()),
+            ("--interaxial-px", self.interaxial_px.is_some()),
+            ("--comfort", self.comfort.is_some()),
+        ];
+        if let Some((name, _)) = planar.iter().find(|(_, given)| *given) {
+            return Err(Usage(format!("{name} is for planar pictures; equirectangular ones have no screen")));
+        }
+        // Players expect this shape.
+        let [width, height] = size;
+        span.shape_fault(size).map_or(Ok(()), |fault| Err(Usage(format!("{width}x{height}: {fault}"))))
     }
 
     /// Returns whether an option sets the distance between the eyes.
@@ -182,19 +220,8 @@ impl CameraArguments {
     /// Returns the camera with the projection of --projection. An equirectangular pair is level unless --up is given.
     /// Its eyes are a human's interaxial apart unless an option or the file of --cameras says otherwise.
     ///
-    /// # Errors
-    /// Fails for options of planar pictures.
-    pub(super) fn projected(&self, camera: StereoCamera) -> Result<StereoCamera, String> {
-        let Some(span) = self.span() else { return Ok(camera) };
-        let planar = [
-            ("--fov", self.fov.is_some()),
-            ("--screen", self.screen.is_some()),
-            ("--interaxial-px", self.interaxial_px.is_some()),
-            ("--comfort", self.comfort.is_some()),
-        ];
-        if let Some((name, _)) = planar.iter().find(|(_, given)| *given) {
-            return Err(format!("{name} is for planar pictures; equirectangular ones have no screen"));
-        }
+    pub(super) fn projected(&self, camera: StereoCamera) -> StereoCamera {
+        let Some(span) = self.span() else { return camera };
         let projection = self.equirectangular(span);
         let interaxial = match (self.interaxial, &self.cameras) {
             (None, None) => HUMAN_INTERAXIAL * self.unit,
@@ -202,7 +229,7 @@ impl CameraArguments {
             (Some(interaxial), _) => interaxial,
         };
         let up = self.up.map_or(Vec3::Y, |up| up.as_vec3());
-        Ok(camera.projection(projection).up(up).interaxial(interaxial))
+        camera.projection(projection).up(up).interaxial(interaxial)
     }
 
     /// Returns the camera's name in the file of --cameras.

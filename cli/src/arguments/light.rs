@@ -11,7 +11,7 @@ use stereotrace::{Gpu, Light, LightShape, Limits, Scene, Sky, SkyMap, StereoCame
 use super::values::{SkyArgument, above_zero, ambient, light, sky};
 
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Light")]
+#[command(next_help_heading = "How it is lit")]
 pub(crate) struct LightArguments {
     /// Replace the scene's lights by a light with this position in world units and linear colour. A radius makes the
     /// light a sphere with soft shadows. Repeat the option for more lights
@@ -35,8 +35,9 @@ pub(crate) struct LightArguments {
     #[arg(long, value_name = "V|R,G,B", value_parser = ambient, allow_hyphen_values = true)]
     ambient: Option<Vec3>,
     /// Sky: an equirectangular PNG, JPEG, HDR or EXR file (HDRI, environment map), `procedural`, or linear light: one
-    /// number, or red, green and blue [default: the scene's sky; for a file, a grey backdrop, or black with --plain or
-    /// --cameras]
+    /// number, or red, green and blue
+    ///
+    /// By default it is the scene's sky. A file without one gets a grey backdrop, or black with --plain or --cameras.
     #[arg(long, value_name = "FILE|V|R,G,B", value_parser = PathBufValueParser::new().try_map(sky))]
     sky: Option<SkyArgument>,
     /// Turn the sky to the right, in degrees about the world's y axis

@@ -35,8 +35,8 @@ Examples:
   stereotrace render                                      the built-in hall: left, right and anaglyph, into out/
   stereotrace render bunny.obj --out bunny.png            an anaglyph of your model
   stereotrace render room.obj --eye 0,1.6,3 --target 0,1,0 --packing side-by-side --out room.jpg
-  stereotrace sequence bunny.obj --orbit 72 --out turn    a turntable, as numbered files
-  stereotrace views --quilt 9x5 --size 512x512 --interaxial-px 2
+  stereotrace sequence bunny.obj --orbit 72 --out a.mp4   a turntable, as a film
+  stereotrace views bunny.obj --display looking-glass-go  a quilt for a light-field display
   stereotrace view bunny.obj                              a window with a live anaglyph
   stereotrace dataset room.obj --pairs 200 --layout kitti --size 1242x375 --out data
   stereotrace compare sponza.obj --methods bracket,atomic cost and errors of these methods
@@ -46,7 +46,7 @@ Examples:
 Exit status:
   0    everything was written
   1    something could not be read, rendered or written
-  2    the command line is wrong
+  2    the command line is wrong, or --out can't be written
   130  SIGINT or SIGTERM ended `sequence` or `dataset` after the current pair. The same command then makes the
        rest. A second signal ends the command at once.
 An error is one line on standard error.
@@ -101,11 +101,27 @@ impl Global {
     }
 }
 
+impl Command {
+    /// Returns what the command renders, if it renders a scene that the command line names.
+    pub(crate) fn subject(&self) -> Option<&Subject> {
+        match self {
+            Self::Render(arguments) => Some(&arguments.subject),
+            Self::Sequence(arguments) => Some(&arguments.subject),
+            Self::Views(arguments) => Some(&arguments.subject),
+            Self::View(arguments) => arguments.subject(),
+            Self::Dataset(arguments) => Some(&arguments.subject),
+            Self::Compare(arguments) => Some(&arguments.subject),
+            Self::Info(arguments) => Some(&arguments.subject),
+            Self::Bench(_) | Self::Completions { .. } | Self::Man => None,
+        }
+    }
+}
+
 #[derive(Clone, Debug, Subcommand)]
 pub(crate) enum Command {
     /// Render a stereo pair as an anaglyph, side by side, or as separate views
     Render(Box<render::Arguments>),
-    /// Render pairs along a camera path or around an object, as numbered files or as raw video for ffmpeg
+    /// Render pairs or quilts along a camera path or around an object, as a film or as numbered files
     Sequence(Box<sequence::Arguments>),
     /// Render any number of views from left to right, as files or as a quilt for light-field displays
     Views(Box<views::Arguments>),

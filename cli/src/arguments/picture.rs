@@ -4,16 +4,20 @@ use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use stereotrace::{AmbientOcclusion, Error, Finish, Lighting, Options, Scene, Setting};
 
 use super::values::{ExposureArgument, OcclusionArgument, exposure, occlusion, size};
-use crate::studio;
+use crate::{studio, usage::Usage};
 
 /// Default size of an eye's picture: width and height in pixels.
 pub(super) const SIZE: [u32; 2] = [1280, 720];
 
+/// Heading of these options.
+const HEADING: &str = "What the picture looks like";
+
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Picture")]
+#[command(next_help_heading = HEADING)]
 pub(crate) struct PictureArguments {
-    /// Size of one eye's picture in pixels [default: 1280x720, 2048x1024 for --projection 360, 1024x1024 for 180, or
-    /// the size in the --calib file]
+    /// Size of one eye's picture in pixels [default: 1280x720]
+    ///
+    /// By default it is 2048x1024 for --projection 360, 1024x1024 for 180, and the size in the file of --calib.
     #[arg(long = "size", value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub(super) size_said: Option<[u32; 2]>,
     #[command(flatten)]
@@ -81,7 +85,7 @@ fn argument(setting: &'static Setting) -> Arg {
     } else {
         format!("{short} [default: {shown}]")
     };
-    let mut argument = Arg::new(name).long(name.replace('_', "-")).help(short.clone()).help_heading("Picture");
+    let mut argument = Arg::new(name).long(name.replace('_', "-")).help(short.clone()).help_heading(HEADING);
     if !long.is_empty() {
         argument = argument.long_help(format!("{short}\n\n{long}"));
     }
@@ -111,6 +115,14 @@ fn checked(name: &str, text: &str) -> Result<String, String> {
 }
 
 impl PictureArguments {
+    /// Checks the options together.
+    pub(super) fn check(&self) -> Result<(), Usage> {
+        // The radius does not matter.
+        let occlusion = self.options.occlusion.map(|OcclusionArgument(rays, _)| AmbientOcclusion::new(rays, 1.0));
+        let options = self.said().and_then(|options| options.ambient_occlusion(occlusion).check());
+        options.map_err(|error| Usage(error.to_string()))
+    }
+
     /// Returns whether the command line gives an option.
     pub(crate) fn gives(&self, name: &str) -> bool {
         self.options.given.iter().any(|(given, _)| *given == name)

@@ -11,7 +11,7 @@ use super::values::{CreaseAngle, Millions, crease_angle, millions, missing_textu
 const CREASE_ANGLE: f32 = 30.0;
 
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Reading files")]
+#[command(next_help_heading = "How files are read")]
 pub(crate) struct ReadingArguments {
     /// Give objects without normals smooth edges where faces turn by less than DEG degrees; off keeps faces flat
     /// [default: 30; off for glTF, as its specification requires]

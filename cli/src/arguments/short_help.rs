@@ -22,6 +22,8 @@ const COMMON: &[&str] = &[
     "orbit",
     "path",
     "quilt",
+    "display",
+    "cone",
     "layout",
     "pairs",
     "methods",
@@ -44,14 +46,14 @@ const EXAMPLES: [(&str, &[&str]); 8] = [
     (
         "sequence",
         &[
-            "stereotrace sequence bunny.obj --orbit 72 --out turn    a turntable, as numbered files",
+            "stereotrace sequence bunny.obj --orbit 72 --out turn.mp4    a turntable, as a film",
             "stereotrace sequence fox.glb --fps 30 --ground-truth --out fox    an animation, with optical flow",
         ],
     ),
     (
         "views",
         &[
-            "stereotrace views --quilt 9x5 --size 512x512 --interaxial-px 2",
+            "stereotrace views bunny.obj --display looking-glass-go    a quilt, into out/",
             "stereotrace views room.glb --views 8 --out row    eight views, as files",
         ],
     ),

@@ -11,12 +11,12 @@ use std::{
 
 use clap::Args;
 use stereotrace::{
-    Animation, Builtin, CameraPath, GBuffer, Method, Options, Pose, Ray, Renderer, Scene, SceneFile, StereoCamera,
+    Animation, Builtin, CameraPath, GBuffer, Method, Options, Pose, Ray, Renderer, Scene, SceneFile, Sky, StereoCamera,
     StereoPair, Update, UploadedScene, blocking::Wait, glam::Vec3,
 };
 
 use super::{CameraArguments, Global, LightArguments, PictureArguments, ReadingArguments, TimeArguments};
-use crate::{progress::Progress, shown, studio};
+use crate::{progress::Progress, shown, studio, usage::Usage};
 
 /// Number of lights placed in a scene without lights, if the automatic look is off.
 const DEFAULT_LIGHTS: usize = 5;
@@ -139,12 +139,10 @@ pub(crate) fn depths(
     Ok((ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1)))
 }
 
-/// Checks that an equirectangular picture has the shape that players expect.
-fn check_shape(pose: &Pose) -> Result<(), String> {
-    let [width, height] = pose.size;
-    match pose.projection.equirectangular().and_then(|around| around.span.shape_fault(pose.size)) {
-        None => Ok(()),
-        Some(fault) => Err(format!("{width}x{height}: {fault}")),
+/// Warns if rays to the sky find no light there.
+fn warn_of_a_black_sky(options: &Options, scene: &Scene) {
+    if let (Some(_), Sky::Constant(Vec3::ZERO)) = (options.sky_rays, &scene.sky) {
+        log::warn!("--sky-rays: the sky is black and gives no light; add --sky, such as --sky procedural");
     }
 }
 
@@ -177,6 +175,13 @@ fn warn_of_surfaces_between_the_eyes(
 }
 
 impl Subject {
+    /// Checks what can be checked before a file is read.
+    pub(crate) fn check(&self) -> Result<(), Usage> {
+        self.builtin().map_err(|error| Usage(error.to_string()))?;
+        self.camera.check(self.size())?;
+        self.picture.check()
+    }
+
     /// Reads all files, then opens the device and uploads the scene.
     pub(crate) fn open(&self, purpose: Purpose, global: &Global) -> Result<Stage, Box<dyn Error>> {
         let begin = Instant::now();
@@ -208,6 +213,7 @@ impl Subject {
         let begin = Instant::now();
         let own = if self.is_flattered() { studio::backdrop() } else { scene.sky };
         scene.sky = self.light.sky(own, self.reading.limits(), &gpu)?;
+        warn_of_a_black_sky(&options, &scene);
         let read = read + begin.elapsed();
 
         let mut renderer = global.renderer(gpu)?;
@@ -354,11 +360,10 @@ impl Subject {
                 (None, None) => self.camera.fitting(scene, self.size(), self.is_flattered())?,
             },
         };
-        let camera = self.camera.projected(self.camera.replace_parts(camera))?;
+        let camera = self.camera.projected(self.camera.replace_parts(camera));
         let camera = self.camera.calibrated(camera, self.picture.size_said, &self.reading.limits())?;
         let camera = self.camera.through_lens(camera)?;
-        let pose = camera.pose()?; // reports an invalid camera before the scene is uploaded
-        check_shape(&pose)?;
+        camera.pose()?; // reports an invalid camera before the scene is uploaded
         Ok(camera)
     }
 

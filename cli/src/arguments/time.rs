@@ -8,7 +8,7 @@ use stereotrace::Animation;
 use super::values::finite;
 
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Time")]
+#[command(next_help_heading = "How it moves")]
 pub(crate) struct TimeArguments {
     /// Animation of a glTF file: its name, its number counted from 0, or none [default: the first one. Only `sequence`
     /// plays it without --time]

@@ -4,7 +4,7 @@ use std::{ops::Range, path::PathBuf};
 
 use stereotrace::{
     Lens, Light, Limits, MissingTextures, MotionBlur, Origin, OutsideFiles, PoleMerge, Span,
-    camera::Display,
+    camera::{Display, MAX_SIDE, SCREEN_DISTANCES},
     glam::{DVec3, Vec3},
 };
 
@@ -23,6 +23,9 @@ pub(crate) struct OcclusionArgument(pub(crate) u32, pub(crate) Option<f32>);
 pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once('x').map(|(width, height)| [width, height].map(str::parse));
     match sides {
+        Some([Ok(width), Ok(height)]) if width > MAX_SIDE || height > MAX_SIDE => {
+            Err(format!("a side has at most {MAX_SIDE} pixels"))
+        }
         Some([Ok(width), Ok(height)]) if width > 0 && height > 0 => Ok([width, height]),
         _ => Err("it must be like 1280x720".into()),
     }
@@ -219,6 +222,25 @@ pub(crate) fn millions(text: &str) -> Result<Millions, String> {
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| "it must be a finite number".into())
+}
+
+/// Parses a field of view in degrees.
+pub(crate) fn field_of_view(text: &str) -> Result<f32, String> {
+    let degrees = text.parse().ok().filter(|&degrees: &f32| degrees > 0.0 && degrees < 180.0);
+    degrees.ok_or_else(|| "it must be above 0 and below 180 degrees".into())
+}
+
+/// Parses the distance of the screen.
+pub(crate) fn screen(text: &str) -> Result<f32, String> {
+    let fits = |distance: &f32| SCREEN_DISTANCES.contains(distance) || *distance == f32::INFINITY;
+    let distance = text.parse().ok().filter(fits);
+    distance.ok_or_else(|| "it must lie between 1e-6 and 1e9, or be inf".into())
+}
+
+/// Parses the distance between the eyes.
+pub(crate) fn interaxial(text: &str) -> Result<f32, String> {
+    let distance = text.parse().ok().filter(|&distance: &f32| distance >= 0.0 && distance.is_finite());
+    distance.ok_or_else(|| "it must be a number of at least 0".into())
 }
 
 pub(crate) fn above_zero(text: &str) -> Result<f32, String> {

@@ -1,12 +1,12 @@
 //! `bench`: measures this machine's adapter with built-in scenes, and writes a report.
 
-use std::{error::Error, fmt::Write, fs, path::PathBuf, time::Duration};
+use std::{error::Error, fmt::Write, path::PathBuf, time::Duration};
 
 use clap::Args;
 use serde_json::{Value, json};
 use stereotrace::{Report, ReportEntry, ReportPlan, blocking::Wait, message::escaped, output::Batch};
 
-use crate::{arguments::Global, calibration, progress::Progress, shown, summary::Summary};
+use crate::{arguments::Global, calibration, progress::Progress, shown, summary::Summary, target::make_folder};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
@@ -20,7 +20,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let folder = &arguments.out;
-    fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", shown(folder)))?;
+    make_folder(folder)?;
     let gpu = global.gpu()?;
     let mut plan = ReportPlan::default();
     plan.most = Duration::from_secs(arguments.seconds.into());

@@ -30,6 +30,7 @@ use crate::{
     stop::{Interrupted, Stop},
     summary::Summary,
     target::Target,
+    usage::Usage,
 };
 
 /// Default number of pairs.
@@ -73,7 +74,7 @@ pub(crate) struct Arguments {
     #[arg(long, short, value_name = "DIR", default_value = "dataset")]
     out: PathBuf,
     #[command(flatten)]
-    subject: Subject,
+    pub(crate) subject: Subject,
     #[command(flatten)]
     motion: MotionArguments,
 }
@@ -92,27 +93,28 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         return verify::run(arguments);
     }
     let Target::Folder(folder) = Target::of(&arguments.out)? else {
-        return Err(format!("{}: a data set needs a folder", shown(&arguments.out)).into());
+        return Err(Usage(format!("{}: a data set needs a folder", shown(&arguments.out))).into());
     };
     let mut stage = arguments.subject.open(Purpose::Data, global)?;
     if !arguments.subject.screen_is_said() {
         stage.camera = stage.camera.parallel()?;
     }
     if let Projection::Lenses(_) = stage.camera.projection_kind() {
-        return Err("--lens: the layouts are for rectified pairs; the Python package writes data sets of lenses".into());
+        let reason = "the layouts are for rectified pairs; the Python package writes data sets of lenses";
+        return Err(Usage(format!("--lens: {reason}")).into());
     }
     let around = stage.camera.projection_kind().equirectangular();
     let usual = if around.is_some() { Layout::Panorama } else { Layout::Middlebury };
     let layout = arguments.layout.unwrap_or(usual);
     if layout.is_equirectangular() != around.is_some() {
         let advice = if around.is_some() { "use --layout panorama" } else { "add --projection 360 or 180" };
-        return Err(format!("--layout {layout}: its pictures have another projection; {advice}").into());
+        return Err(Usage(format!("--layout {layout}: its pictures have another projection; {advice}")).into());
     }
     let motion = arguments.motion.motion(&arguments.subject, stage.camera)?;
     let count = motion.as_ref().map_or(arguments.pairs.unwrap_or(PAIRS), Motion::frames);
     let range = arguments.items.clone().unwrap_or(0..count);
     if range.end > count {
-        return Err(format!("--items {}..{}: the data set has {count}", range.start, range.end).into());
+        return Err(Usage(format!("--items {}..{}: the data set has {count}", range.start, range.end)).into());
     }
     let settings = (layout, count, &motion, arguments.max_disparity, arguments.clearance, arguments.exr);
     let stop = Stop::on_signals()?;

@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     display_width: f32,
     #[command(flatten)]
-    subject: Subject,
+    pub(crate) subject: Subject,
 }
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {

@@ -11,7 +11,7 @@ use crate::{arguments::Subject, shown};
 pub(super) const MOST: u32 = 1_000_000;
 
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Motion")]
+#[command(next_help_heading = "How it moves")]
 pub(super) struct MotionArguments {
     /// Move the camera once around its target in N pictures
     #[arg(
@@ -21,8 +21,9 @@ pub(super) struct MotionArguments {
         value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST))
     )]
     pub(super) orbit: Option<u32>,
-    /// JSON file with a list of cameras, in the format of --cameras. With `frame` a camera is a key frame; without it,
-    /// each camera makes one picture
+    /// Move the camera along a JSON file's list of cameras, in the format of --cameras
+    ///
+    /// With `frame` a camera is a key frame; without it, each camera makes one picture.
     #[arg(long, value_name = "FILE")]
     pub(super) path: Option<PathBuf>,
 }

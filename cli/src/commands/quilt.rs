@@ -19,18 +19,20 @@ const MOST: u32 = 1024;
 const COUNTED: [f32; 2] = [0.05, 0.95];
 
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Quilt")]
+#[command(next_help_heading = "For light-field displays")]
 pub(super) struct QuiltArguments {
-    /// Write a quilt for light-field displays: one picture of C columns and R rows of views. The first, leftmost view
-    /// is at the bottom left. Unless an option, a
-    /// file of cameras or a built-in scene sets the screen, it is at the surfaces in the picture's middle
+    /// Make quilts: pictures of C columns and R rows of views
+    ///
+    /// The first, leftmost view is at the bottom left. The screen is at the surfaces in the picture's middle, unless an
+    /// option, a file of cameras or a built-in scene sets it.
     #[arg(long, value_name = "CxR", value_parser = size, allow_hyphen_values = true)]
     quilt: Option<[u32; 2]>,
-    /// Write a quilt with the columns, rows and pixels that this display's maker recommends
+    /// Make quilts with the columns, rows and pixels that the maker of this display recommends
     #[arg(long, value_name = "NAME", conflicts_with_all = ["quilt", "size_said"])]
     display: Option<Display>,
-    /// Angle in degrees between the outermost views, seen from the middle of the screen [default: 40 for a quilt, unless
-    /// --interaxial, --interaxial-px, --comfort or --calib sets the distance of neighbours]
+    /// Angle in degrees between the outermost views, seen from the middle of the screen [default: 40 for a quilt]
+    ///
+    /// It has no default if --interaxial, --interaxial-px, --comfort or --calib sets the distance of neighbours.
     #[arg(
         long,
         value_name = "DEGREES",
@@ -148,7 +150,7 @@ pub(super) struct Fan {
 impl Fan {
     /// Returns the camera, whose interaxial is the mean distance of neighbours, and its eyes.
     ///
-    /// Eyes differ by equal angles, as the maker of the displays has them.
+    /// Seen from the middle of the screen, neighbours differ by equal angles, as the views of a display do.
     pub(super) fn rig(&self, camera: StereoCamera) -> Result<(StereoCamera, Rig), stereotrace::Error> {
         let mut camera = camera;
         let pose = camera.pose()?;
@@ -205,5 +207,36 @@ pub(super) fn count_of(grid: Option<[u32; 2]>, asked: Option<u32>, usual: u32) -
             Err(Usage(format!("a quilt of {columns}x{rows} is not filled by {views}")))
         }
         _ => Ok(columns * rows),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stereotrace::glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn views_of_displays_have_their_shape_and_their_pixels() {
+        for (display, size, aspect) in [
+            (Display::LookingGlassGo, [372, 682], 0.5625),
+            (Display::LookingGlassPortrait, [420, 560], 0.75),
+            (Display::LookingGlass16, [857, 857], 16.0 / 9.0),
+        ] {
+            let [width, height] = display.square();
+            let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).size(width, height);
+            let [columns, rows] = display.grid();
+            let fan = Fan { count: columns * rows, cone: Some(40.0), display: Some(display) };
+            let (camera, rig) = fan.rig(camera).unwrap();
+            let pose = camera.pose().unwrap();
+            assert_eq!(pose.size, size, "{display:?}");
+            let [fx, fy] = pose.focal_px().unwrap();
+            let shape = (f64::from(size[0]) / fx) / (f64::from(size[1]) / fy);
+            assert!((shape - aspect).abs() < 1e-6, "{display:?}: {shape}");
+            assert!((pose.screen_distance - 4.0).abs() < 1e-6);
+            let reach = 4.0 * 20_f32.to_radians().tan();
+            let (first, last) = (rig.offsets()[0], rig.offsets()[rig.offsets().len() - 1]);
+            assert!((first * pose.interaxial + reach).abs() < 1e-4 && (last * pose.interaxial - reach).abs() < 1e-4);
+        }
     }
 }

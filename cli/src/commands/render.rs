@@ -25,6 +25,7 @@ use crate::{
     summary::Summary,
     target::{EyesArguments, Target, add_pair, is_open_exr, is_single_picture},
     truth::{add_layers, add_truth_of, layering},
+    usage::Usage,
 };
 
 /// Error of a run that a signal ended.
@@ -35,14 +36,18 @@ const GLANCE: Duration = Duration::from_millis(250);
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// File or folder to write. A .png or .jpg file holds the anaglyph or the --packing; a .jps, .mpo or .exr file
-    /// holds both views, and so does a .vr.jpg file with --projection 360 or 180. A folder gets the left view, right
-    /// view, anaglyph and all other requested files
+    /// Picture to write, .png or .jpg, or a folder for the left view, the right view and all other files
+    ///
+    /// A .png or .jpg file holds the anaglyph or the --packing. A .jps, .mpo or .exr file holds both views, and so does
+    /// a .vr.jpg file with --projection 360 or 180.
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
     out: PathBuf,
     /// Also render by naive, and report the right eye's errors relative to naive
     #[arg(long)]
     compare: bool,
+    /// Also print how the right eye was made, and the time and rays that this took
+    #[arg(long)]
+    pub(super) stats: bool,
     /// Write depths and primitive ids of both eyes (PFM), the right eye's re-trace map, its shadow map if a bracket
     /// method made it, and the cost of each pixel (PNG). --out must be a folder
     #[arg(long)]
@@ -63,7 +68,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     pub(super) display_width: f32,
     #[command(flatten)]
-    pub(super) subject: Subject,
+    pub(crate) subject: Subject,
     #[command(flatten)]
     pub(super) eyes: EyesArguments,
 }
@@ -80,7 +85,7 @@ impl Arguments {
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let target = Target::of(&arguments.out)?;
     if let (Target::File(_), Some(option)) = (&target, arguments.folder_option()) {
-        return Err(format!("{option} writes many files; --out must be a folder").into());
+        return Err(Usage(format!("{option} writes many files; --out must be a folder")).into());
     }
     let job = Job { arguments, target, stop: Stop::on_signals()? };
     if arguments.watch { job.watch(global) } else { job.once(global) }
@@ -99,7 +104,7 @@ impl Job<'_> {
     fn watch(&self, global: &Global) -> Result<Summary, Box<dyn Error>> {
         let files = self.arguments.subject.files();
         if files.is_empty() {
-            return Err("--watch: no input file is read, so there is nothing to watch".into());
+            return Err(Usage("--watch: no input file is read, so there is nothing to watch".into()).into());
         }
         let changed = || -> Vec<Option<SystemTime>> {
             files.iter().map(|file| file.metadata().and_then(|data| data.modified()).ok()).collect()

@@ -1,4 +1,4 @@
-//! Prints the table of scene, camera, method, cost, comfort and written files.
+//! Prints the table of picture, scene, depth and written files, and with --stats of method and cost.
 
 use std::{
     fmt::{self, Display, Formatter},
@@ -11,10 +11,16 @@ use stereotrace::{
     Comfort, Lighting, Pose, Statistics, Work,
     message::{counted, escaped, noun},
     metrics::Difference,
+    output::Packing,
 };
 
 use super::render::Arguments;
-use crate::{arguments::Stage, pictures::Seen, summary::Summary};
+use crate::{
+    arguments::Stage,
+    pictures::Seen,
+    summary::Summary,
+    target::{EyesArguments, is_single_picture},
+};
 
 /// Elapsed wall-clock times.
 #[derive(Clone, Copy, Debug)]
@@ -43,38 +49,40 @@ pub(crate) struct Report<'a> {
 
 impl Display for Report<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let (pose, statistics) = (self.pose, self.statistics);
-        line(f, "adapter", self.stage.renderer.gpu().adapter_name())?;
-        line(f, "scene", scene_line(self.stage))?;
+        let pose = self.pose;
+        let WallTimes { read, build, render } = self.wall;
+        let seconds = (read + build + render).as_secs_f64();
         let [width, height] = pose.size;
-        let (e, px, d) = (pose.interaxial, pose.interaxial_px, pose.screen_distance);
-        let is_around = self.is_around();
-        let screen = if is_around { "equirectangular".into() } else { format!("{px:.2} px, d = {d:.4}") };
-        line(f, "camera", format!("{width}x{height}, e = {e:.4}, {screen}"))?;
-        line(f, "method", self.method_line())?;
-        if let Some(choice) = statistics.choice {
-            line(f, "chose", choice)?;
-        }
+        let adapter = self.stage.renderer.gpu().adapter_name();
+        line(f, "picture", format!("{width}x{height} for each eye, in {seconds:.1} s by {adapter}"))?;
+        line(f, "scene", scene_line(self.stage))?;
         self.light_lines(f)?;
-        self.time_lines(f)?;
-        self.work_lines(f)?;
-        line(f, "re-traced", retraced(statistics))?;
+        let e = pose.interaxial;
+        let screen = match (self.is_around(), pose.screen_distance.is_finite()) {
+            (true, _) => "in all directions".into(),
+            (false, true) => format!("screen at {:.4}", pose.screen_distance),
+            (false, false) => "parallel".into(),
+        };
+        line(f, "eyes", format!("{e:.4} apart, {screen}"))?;
+        if self.arguments.stats {
+            self.statistics_lines(f)?;
+        } else if self.stage.options.count {
+            self.count_lines(f)?;
+        }
         if let Some(difference) = &self.difference {
             difference_lines(f, difference)?;
         }
         if self.seen.only_sky {
             line(f, "warning", "the left eye sees only sky: check --eye and --target")?;
         }
-
-        if !is_around {
+        if !self.is_around() {
             self.comfort_lines(f)?;
         }
-        if self.arguments.eyes.packing.is_none() && !is_around {
-            let swapped = if self.arguments.eyes.swap { ", worn reversed (--swap)" } else { "" };
-            line(f, "glasses", format!("{}{swapped}", self.arguments.eyes.anaglyph.glasses()))?;
-        }
-        for (index, file) in self.files.iter().enumerate() {
-            line(f, if index == 0 { "wrote" } else { "" }, file.display())?;
+        self.open_line(f)?;
+        if self.files.len() > 1 {
+            for (index, file) in self.files.iter().enumerate() {
+                line(f, if index == 0 { "wrote" } else { "" }, file.display())?;
+            }
         }
         Ok(())
     }
@@ -144,6 +152,38 @@ impl Report<'_> {
         self.pose.comfort(nearest, farthest, self.arguments.display_width)
     }
 
+    /// Writes how the right eye was made, and at which cost.
+    fn statistics_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        line(f, "method", self.method_line())?;
+        if let Some(choice) = self.statistics.choice {
+            line(f, "chose", choice)?;
+        }
+        self.time_lines(f)?;
+        self.work_lines(f)?;
+        line(f, "re-traced", retraced(self.statistics))
+    }
+
+    /// Writes the file to open, and what one needs to see depth in it.
+    fn open_line(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let eyes = self.arguments.eyes.suiting(self.pose);
+        let name =
+            eyes.packing.map_or("anaglyph".into(), |it| EyesArguments::packed_name(it, self.pose, &self.stage.name));
+        let of_both = match self.files {
+            [only] => Some(only),
+            files => files.iter().find(|file| file.file_stem().is_some_and(|stem| *stem == *name)),
+        };
+        let Some(file) = of_both else { return Ok(()) };
+        let how = match (is_single_picture(file), eyes.packing) {
+            (false, _) => "it holds both views".into(),
+            (true, Some(packing)) => viewing(packing, eyes.swap).into(),
+            (true, None) => {
+                let reversed = if eyes.swap { ", worn reversed (--swap)" } else { "" };
+                format!("wear glasses, {}{reversed}", eyes.anaglyph.glasses())
+            }
+        };
+        line(f, "open", format!("{}: {how}", file.display()))
+    }
+
     fn time_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match &self.statistics.times {
             None => line(f, "passes", "no timestamps")?,
@@ -163,8 +203,7 @@ impl Report<'_> {
     fn work_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let statistics = self.statistics;
         line(f, "rays", format!("{:<6}{:>12}{:>14}{:>12}{:>12}", "", "primary", "verification", "shadow", "all"))?;
-        let eyes = [("left", &statistics.left), ("right", &statistics.right)];
-        for (eye, work) in eyes {
+        for (eye, work) in [("left", &statistics.left), ("right", &statistics.right)] {
             let (rays, all) = (work.rays, work.rays.total());
             let counts = format!("{:>12}{:>14}{:>12}{all:>12}", rays.primary, rays.verification, rays.shadow);
             line(f, "", format!("{eye:<6}{counts}"))?;
@@ -174,16 +213,18 @@ impl Report<'_> {
             let (texels, mib) = (noun(buffer.filled, "texel", "texels"), buffer.bytes.div_ceil(1 << 20));
             line(f, "", format!("shadow-buffers: {} {texels} filled; {mib} MiB", buffer.filled))?;
         }
-        if self.stage.options.count {
-            for (index, (eye, work)) in eyes.into_iter().enumerate() {
-                let heading = if index == 0 { "work" } else { "" };
-                let (nodes, tests) = (work.nodes, work.primitive_tests);
-                let (node, test) = (noun(nodes, "node", "nodes"), noun(tests, "test", "tests"));
-                line(f, heading, format!("{eye:<6}{nodes:>12} {node}{tests:>12} primitive {test}"))?;
-            }
-            line(f, "", format!("the second eye cost {:.3} of the first", statistics.second_eye()))?;
+        if self.stage.options.count { self.count_lines(f) } else { Ok(()) }
+    }
+
+    fn count_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let statistics = self.statistics;
+        for (eye, work) in [("left", &statistics.left), ("right", &statistics.right)] {
+            let heading = if eye == "left" { "work" } else { "" };
+            let (nodes, tests) = (work.nodes, work.primitive_tests);
+            let (node, test) = (noun(nodes, "node", "nodes"), noun(tests, "test", "tests"));
+            line(f, heading, format!("{eye:<6}{nodes:>12} {node}{tests:>12} primitive {test}"))?;
         }
-        Ok(())
+        line(f, "", format!("the second eye cost {:.3} of the first", statistics.second_eye()))
     }
 
     fn method_line(&self) -> String {
@@ -215,14 +256,28 @@ impl Report<'_> {
 
     fn comfort_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let comfort = self.comfort();
-        let (near_px, far_px) = (comfort.negative_parallax_px, comfort.positive_parallax_px);
-        let (near, far) = (comfort.negative_parallax_percent, comfort.positive_parallax_percent);
-        let parallax = format!("parallax {near_px:.1} to {far_px:.1} px ({near:.2}% to {far:.2}% of the width)");
-        line(f, "comfort", parallax)?;
-        for warning in comfort.warnings() {
-            line(f, "", format!("warning: {warning}"))?;
+        let (near, far) = (-comfort.negative_parallax_percent, comfort.positive_parallax_percent);
+        let warnings = comfort.warnings();
+        let fits = if warnings.is_empty() { "comfortable" } else { "uncomfortable" };
+        let depth = format!("{near:.1}% of the width before the screen, {far:.1}% behind it");
+        line(f, "depth", format!("{depth}: {fits} on a display {} m wide", self.arguments.display_width))?;
+        for warning in warnings {
+            line(f, "warning", warning)?;
         }
         Ok(())
+    }
+}
+
+/// Returns how to see depth in a picture of both eyes.
+fn viewing(packing: Packing, is_swapped: bool) -> &'static str {
+    match packing {
+        _ if is_swapped => "the eyes are exchanged (--swap)",
+        Packing::SideBySide | Packing::HalfSideBySide => {
+            "view it in a headset or on a 3D display, or with parallel eyes"
+        }
+        Packing::CrossEyed => "view it with crossed eyes",
+        Packing::TopBottom | Packing::HalfTopBottom => "view it in a headset or on a 3D display",
+        _ => "view it on a 3D display with this pattern",
     }
 }
 

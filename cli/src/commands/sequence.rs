@@ -53,9 +53,11 @@ pub(crate) struct Arguments {
     /// Render only these pictures of the sequence, such as 0..24 for the first 24
     #[arg(long, value_name = "FROM..TO", value_parser = frames)]
     frames: Option<Range<u32>>,
-    /// A folder for left_0000.png, right_0000.png and anaglyph_0000.png (or the --packing) of each pair; or a name with
-    /// a number for one picture of each, such as film/frame_%04d.png; or a film, such as film.mp4 or film.mkv, which
-    /// FFmpeg makes from pictures in film.mp4.frames; or - for raw RGB pictures on standard output
+    /// Film to write, .mp4 or .mkv, which FFmpeg makes; or a folder for numbered pictures
+    ///
+    /// A film's pictures are kept in a folder beside it, such as film.mp4.frames. A folder gets left_0000.png,
+    /// right_0000.png and anaglyph_0000.png (or the --packing) of each pair, or quilt_0000.png. A name with a number,
+    /// such as film/frame_%04d.png, gives one picture of each. - writes raw RGB pictures to standard output.
     #[arg(long, short, value_name = "DIR|NAMES|FILM|-", default_value = "out")]
     out: PathBuf,
     /// Replace existing pictures, also those of other settings
@@ -74,9 +76,9 @@ pub(crate) struct Arguments {
     #[arg(long)]
     ground_truth: bool,
     #[command(flatten)]
-    quilt: QuiltArguments,
+    pub(crate) subject: Subject,
     #[command(flatten)]
-    subject: Subject,
+    quilt: QuiltArguments,
     #[command(flatten)]
     eyes: EyesArguments,
     #[command(flatten)]

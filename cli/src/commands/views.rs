@@ -61,10 +61,17 @@ pub(crate) struct Arguments {
     /// Also render by naive, and report the views' errors relative to naive
     #[arg(long)]
     compare: bool,
+    /// Films of quilts are made by `sequence`
+    #[arg(long = "orbit", hide = true, value_parser = no_orbit)]
+    _orbit: Option<u32>,
+    #[command(flatten)]
+    pub(crate) subject: Subject,
     #[command(flatten)]
     quilt: QuiltArguments,
-    #[command(flatten)]
-    subject: Subject,
+}
+
+fn no_orbit(count: &str) -> Result<u32, String> {
+    Err(format!("use `stereotrace sequence --quilt CxR --orbit {count}`, which makes a quilt for each place"))
 }
 
 /// Default number of views.

@@ -40,6 +40,7 @@ use crate::{
     arguments::{Global, Purpose, Subject, above_zero},
     summary::Summary,
     target::EyesArguments,
+    usage::Usage,
 };
 
 /// Maximum side of a window in pixels.
@@ -62,7 +63,7 @@ pub(crate) struct Arguments {
     /// Write what the window shows when it closes, as PNG
     #[arg(long, value_name = "FILE", requires = "frames")]
     screenshot: Option<PathBuf>,
-    /// Perform the steps of a file instead of mouse and key input (docs/VIEW.md)
+    /// Perform the steps of a file instead of mouse and key input
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
     #[command(flatten)]
@@ -72,6 +73,12 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
+    /// Returns what the window shows.
+    #[allow(clippy::unnecessary_wraps, reason = "builds without a window have none")]
+    pub(crate) fn subject(&self) -> Option<&Subject> {
+        Some(&self.subject)
+    }
+
     /// Returns the subject and the arguments of both eyes.
     #[cfg(test)]
     fn parts(&self) -> (&Subject, &EyesArguments) {
@@ -85,7 +92,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let subject = &arguments.subject;
     let size = subject.size();
     if size.iter().any(|side| *side > MOST) {
-        return Err(format!("--size {}x{}: a window can have at most {MOST} pixels per side", size[0], size[1]).into());
+        let [width, height] = size;
+        return Err(Usage(format!("--size {width}x{height}: a window has at most {MOST} pixels per side")).into());
     }
     let origin = Origin::new(std::env::args_os(), subject.lights_stand_by_camera())?;
     // Open the event loop first, so that a missing display is reported before the scene is read.

@@ -90,7 +90,8 @@ impl<'a> Document<'a> {
         let fault = |reason: String| Error::parse(path, None, reason);
         let (json, chunk) = if is_binary { chunks(&bytes).map_err(fault)? } else { (0..bytes.len(), None) };
         let json = without_mark(&bytes[json]);
-        let root = parse(path, json, is_binary, &limits)?;
+        // The parts of other versions differ, so that reading them fails with another reason.
+        let root = parse(path, json, is_binary, &limits).map_err(|error| other_version(json).map_or(error, fault))?;
         let shifts = shifts(json).map_err(|error| fault(format!("invalid glTF JSON: {error}")))?;
         let more = more::materials(json, &root.extensions_used)
             .map_err(|error| Error::parse_from(path, None, format!("invalid glTF materials: {error}"), error))?;
@@ -120,11 +121,9 @@ impl<'a> Document<'a> {
             bytes_left,
             decoded: Cell::new(0),
         };
-        match document.root.asset.version.split('.').next() {
-            Some("2") => Ok(document),
-            _ => {
-                Err(document.fault(format!("it is glTF {}; only version 2 is supported", document.root.asset.version)))
-            }
+        match unsupported(&document.root.asset.version) {
+            None => Ok(document),
+            Some(reason) => Err(document.fault(reason)),
         }
     }
 
@@ -278,6 +277,25 @@ impl<'a> Document<'a> {
         let located = self.files.locate(self.path.parent().unwrap_or(Path::new("")), &name);
         located.map_err(|error| Error::parse_from(self.path, None, format!("{by}: {error}"), error))
     }
+}
+
+/// Returns why a file of this version can't be read, or `None` if it can.
+fn unsupported(version: &str) -> Option<String> {
+    let is_known = version.split('.').next() == Some("2");
+    (!is_known).then(|| format!("it is glTF {version}; only version 2 is supported"))
+}
+
+/// Returns why a file whose JSON has another version can't be read.
+fn other_version(json: &[u8]) -> Option<String> {
+    #[derive(serde::Deserialize)]
+    struct Head {
+        asset: Asset,
+    }
+    #[derive(serde::Deserialize)]
+    struct Asset {
+        version: String,
+    }
+    unsupported(&serde_json::from_slice::<Head>(json).ok()?.asset.version)
 }
 
 fn range(start: u64, length: u64) -> Option<Range<usize>> {

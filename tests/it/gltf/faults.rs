@@ -172,6 +172,11 @@ fn numbers_that_are_none_are_named() {
 #[test]
 fn versions_and_extensions_that_are_not_known_are_refused_by_name() {
     says("it is glTF 1.0; only version 2 is supported", |json| json["asset"]["version"] = json!("1.0"));
+    // Version 1 has objects in place of lists.
+    says("it is glTF 1.0; only version 2 is supported", |json| {
+        json["asset"]["version"] = json!("1.0");
+        json["nodes"] = json!({ "node": {} });
+    });
     says(
         "it requires KHR_draco_mesh_compression, KHR_texture_basisu; the supported extensions are KHR_lights_punctual, \
          ",

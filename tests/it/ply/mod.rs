@@ -209,9 +209,9 @@ fn faults_are_named_with_their_line_or_element() {
         (
             good.replace("face 1", "face 0"),
             None,
-            "no faces and 4 vertices; a scene needs faces of 3 corners or more, not points",
+            "it is a point cloud, with 4 vertices and no faces; a scene needs faces of 3 corners or more",
         ),
-        (square("2 0 1"), None, "no faces and 4 vertices"),
+        (square("2 0 1"), None, "it is a point cloud, with 4 vertices and no faces"),
     ] {
         let (found, reason) = error(&content);
         assert!(reason.contains(expected), "{expected}: {reason}");
