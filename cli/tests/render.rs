@@ -476,7 +476,7 @@ fn every_command_checks_its_options_before_it_reads_a_file() {
         ("render", &["--projection", "360", "--size", "100x100"], "must be twice the height"),
         ("render", &["--lighting", "paths=4", "--sky-rays", "4"], "paths of light"),
         ("render", &["--lighting", "paths=4", "--ambient-occlusion", "4"], "paths of light"),
-        ("render", &["--out", &below], "the folder can't be created"),
+        ("render", &["--out", &below], "it is not a folder"),
         ("render", &["--out", &file], "it is not a folder"),
         ("render", &["--out", "film.mp4"], "pictures can be written as"),
         ("render", &["--out", "a.png", "--dump"], "--dump writes many files"),
@@ -573,9 +573,9 @@ fn names_of_files_and_folders_do_not_steer_the_terminal() {
     let [out, file] = ["out", "file"].map(|name| folder.file(name).to_str().unwrap().to_owned());
     folder.write("file", "");
     let gone = format!("{scene}.gone");
-    // The output contains the scene's name and the names of three written files.
+    // The output contains the scene's name, the file to open, and the names of three written files.
     let said = printed(&[&SMALL[..], &[&scene, "--out", &out]].concat());
-    let mut texts = vec![(said, 4)];
+    let mut texts = vec![(said, 5)];
     let cases: [(&[&str], usize); 4] = [
         (&[&gone], 2),
         (&[&out], 1),

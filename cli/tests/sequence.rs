@@ -219,7 +219,7 @@ fn a_film_of_quilts_goes_on_where_it_stopped() {
     assert!(message.contains("quilt_0000.png: it was made with different"), "{message}");
 }
 
-/// A program in place of FFmpeg, which keeps its arguments and writes the file that its last argument names.
+/// A program in place of `ffmpeg`, which keeps its arguments and writes the file that its last argument names.
 #[cfg(unix)]
 const FFMPEG: &str = r#"#!/bin/sh
 case "$*" in

@@ -35,8 +35,8 @@ Examples:
   stereotrace render                                      the built-in hall: left, right and anaglyph, into out/
   stereotrace render bunny.obj --out bunny.png            an anaglyph of your model
   stereotrace render room.obj --eye 0,1.6,3 --target 0,1,0 --packing side-by-side --out room.jpg
-  stereotrace sequence bunny.obj --orbit 72 --out a.mp4   a turntable, as a film
-  stereotrace views bunny.obj --display looking-glass-go  a quilt for a light-field display
+  stereotrace sequence bunny.obj --orbit 72 -o a.mp4      a turntable, as a film
+  stereotrace views a.obj --display looking-glass-go      a quilt for a light-field display
   stereotrace view bunny.obj                              a window with a live anaglyph
   stereotrace dataset room.obj --pairs 200 --layout kitti --size 1242x375 --out data
   stereotrace compare sponza.obj --methods bracket,atomic cost and errors of these methods

@@ -23,7 +23,6 @@ const COMMON: &[&str] = &[
     "path",
     "quilt",
     "display",
-    "cone",
     "layout",
     "pairs",
     "methods",

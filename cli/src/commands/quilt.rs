@@ -27,7 +27,9 @@ pub(super) struct QuiltArguments {
     /// option, a file of cameras or a built-in scene sets it.
     #[arg(long, value_name = "CxR", value_parser = size, allow_hyphen_values = true)]
     quilt: Option<[u32; 2]>,
-    /// Make quilts with the columns, rows and pixels that the maker of this display recommends
+    /// Make quilts for this display
+    ///
+    /// Columns, rows and pixels are those that its maker recommends.
     #[arg(long, value_name = "NAME", conflicts_with_all = ["quilt", "size_said"])]
     display: Option<Display>,
     /// Angle in degrees between the outermost views, seen from the middle of the screen [default: 40 for a quilt]

@@ -63,8 +63,8 @@ pub(crate) struct Arguments {
     /// Replace existing pictures, also those of other settings
     #[arg(long)]
     overwrite: bool,
-    /// Pictures per second of the film, and of the scene file's animation. Without --orbit or --path, the animation's duration gives the
-    /// number of pictures
+    /// Pictures per second of the film, and of the scene file's animation. Without --orbit or --path, the animation's
+    /// duration gives the number of pictures
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = above_zero, allow_hyphen_values = true)]
     fps: f32,
     /// Blur what moves: the share of the time between pictures for which the shutter is open, such as 0.5 for half of

@@ -92,7 +92,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     }
     let subject = arguments.quilt.sized(&arguments.subject);
     let mut stage = subject.open(Purpose::Pictures, global)?;
-    stage.options.g_buffer = if arguments.ground_truth { GBuffer::Ids } else { GBuffer::Depth };
+    let needs_ids = arguments.ground_truth || arguments.compare;
+    stage.options.g_buffer = if needs_ids { GBuffer::Ids } else { GBuffer::Depth };
     let fan = arguments.quilt.fan(count, &subject, &mut stage)?;
     let rigs = rigs(&stage, &fan, arguments.rows)?;
     let begin = Instant::now();
