@@ -26,8 +26,8 @@ pub fn quilt(views: &Views, columns: u32, rows: u32) -> Result<Picture, Error> {
     Ok(Picture { width: across as u32, height: tall as u32, rgba8 })
 }
 
-/// Returns the file name that tells players a quilt's layout: `NAME_qsCxRaA.png`, where A is the width of a view divided
-/// by its height on the display. Its pixels need not be square.
+/// Returns the file name that tells players a quilt's layout: `NAME_qsCxRaA.png`, where A is the width of a view
+/// divided by its height on the display. Its pixels need not be square.
 pub fn quilt_name(name: &str, views: &Views, columns: u32, rows: u32) -> String {
     let [width, height] = views.pose.size.map(f64::from);
     let [fx, fy] = views.pose.focal_px().unwrap_or([1.0; 2]);
