@@ -1,6 +1,8 @@
 #!/bin/sh
 # Builds the page and the npm package, and serves them on the loopback address.
 #   sh scripts/web.sh [build|serve] [PORT]       both, where neither is said; port 8080
+# With STEREOTRACE_PAGE, the address at which the page will be, other sites show a preview of links to it. STEREOTRACE_SOURCE is the address
+# that its link to the source leads to.
 # The page comes to target/page, a folder that any static web server can serve; the npm package to target/page/pkg. Needs Node 18 or
 # newer and npm. wasm-bindgen, of the version in Cargo.lock, is built into target/wasm-bindgen where it is not there, and wasm-opt comes from
 # the npm package binaryen, into target/npm.
@@ -47,7 +49,10 @@ build() {
     mv "$wasm.opt" "$wasm"
     cp "$root"/web/package/index.js "$root"/web/package/index.d.ts "$root"/web/package/package.json "$root"/web/package/README.md "$new/pkg/"
     cp "$root"/LICENSE-* "$new/pkg/"
-    cp "$root"/web/page/* "$new/"
+    cp "$root"/web/page/* "$root/docs/BROWSER.md" "$new/"
+    [ -n "${STEREOTRACE_SOURCE-}" ] || sed -i.orig '/@SOURCE@/d' "$new/index.html"
+    sed -i.orig "s|@PAGE@|${STEREOTRACE_PAGE-}|; s|@SOURCE@|${STEREOTRACE_SOURCE-}|" "$new/index.html"
+    rm "$new/index.html.orig"
     mkdir "$new/example"
     cp "$root"/web/example/* "$new/example/"
     rm -rf "$site"

@@ -9,6 +9,7 @@ import { fileURLToPath } from "node:url";
 const TYPES = {
     ".html": "text/html; charset=utf-8", ".css": "text/css", ".js": "text/javascript", ".wasm": "application/wasm",
     ".json": "application/json", ".svg": "image/svg+xml", ".ts": "text/plain",
+    ".jpg": "image/jpeg", ".md": "text/plain; charset=utf-8",
 };
 
 export async function serve(folder, port = 0) {

@@ -27,7 +27,7 @@ export function plot(figures) {
     for (let power = Math.log10(LEAST); power <= 2; power += 1) {
         const at = y(10 ** power);
         svg.append(node("line", { x1: LEFT, x2: WIDTH - RIGHT, y1: at, y2: at }));
-        const label = power === Math.log10(LEAST) ? "≤ 0.001 %" : `${Number((10 ** power).toPrecision(1))} %`;
+        const label = power === Math.log10(LEAST) ? "≤ 0.001%" : `${Number((10 ** power).toPrecision(1))}%`;
         svg.append(node("text", { x: LEFT - 8, y: at + 4, "text-anchor": "end", class: "axis" }, label));
     }
     for (let share = 0; share <= most; share += most > 3 ? 1 : 0.2) {
@@ -52,15 +52,16 @@ export function plot(figures) {
 
 /** @param {any} figures @param {HTMLTableElement} table */
 export function tabulate(figures, table) {
+    /** @type {[string, (row: any) => string][]} */
     const columns = [
         ["method", (row) => row.method],
         ["ms", (row) => row.ms.toFixed(1)],
         ["relative to naive", (row) => row.msOfNaive.toFixed(3)],
         ["device ms", (row) => row.deviceMs?.toFixed(1) ?? "–"],
         ["2nd eye", (row) => row.secondEye?.toFixed(3) ?? "–"],
-        ["traced", (row) => `${(100 * row.retracedShare).toFixed(1)} %`],
-        ["wrong colour", (row) => `${(100 - row.identicalPercent).toFixed(3)} %`],
-        ["wrong surface", (row) => `${row.wrongSurfacePercent.toFixed(3)} %`],
+        ["traced", (row) => `${(100 * row.retracedShare).toFixed(1)}%`],
+        ["wrong colour", (row) => `${(100 - row.identicalPercent).toFixed(3)}%`],
+        ["wrong surface", (row) => `${row.wrongSurfacePercent.toFixed(3)}%`],
         ["PSNR", (row) => row.psnr === null ? "∞" : `${row.psnr.toFixed(1)} dB`],
     ];
     const line = (cells, kind) => {

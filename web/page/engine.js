@@ -2,6 +2,7 @@
 // ... } and answers each with { id, result } or { id, error }, and reports progress with { id, done }.
 // @ts-check
 import { Passes, Renderer, Scene, anaglyphs, builtins, methods, version } from "./pkg/index.js";
+import { corners } from "./stl.js";
 
 /** @typedef {import("./pkg/index.js").Camera} Camera */
 /** @typedef {import("./pkg/index.js").RenderOptions} RenderOptions */
@@ -37,8 +38,15 @@ async function sceneOf(source) {
     /** @type {Record<string, Uint8Array>} */
     const files = {};
     for (const { path, file } of source.files) files[path] = new Uint8Array(await file.arrayBuffer());
-    const scene = Scene.fromFiles(files, source.main);
+    const scene = /\.stl$/i.test(source.main) ? stl(files[source.main], source.main) : Scene.fromFiles(files, source.main);
     scene.setSky(BACKDROP.nadir, BACKDROP.zenith);
+    return scene;
+}
+
+/** @param {Uint8Array} bytes @param {string} name */
+function stl(bytes, name) {
+    const scene = new Scene();
+    scene.addMesh({ positions: corners(bytes, name), name });
     return scene;
 }
 
@@ -58,28 +66,40 @@ async function png(image) {
 }
 
 /**
- * Returns the pictures of a view: one, or several for wiggle.
- * @param {string} view @param {any} glasses @returns {ImageData[]}
+ * Returns the pictures of a view: one, or both eyes.
+ * @param {import("./settings.js").View | "top-bottom"} view @param {any} glasses @returns {ImageData[]}
  */
 function pictures(view, glasses) {
     const { pair, truth } = shown();
     switch (view) {
         case "anaglyph": return [pair.anaglyph(glasses)];
         case "side-by-side": case "cross-eyed": case "top-bottom": return [pair.packed(view)];
-        case "wiggle": return [pair.view("left"), pair.view("right")];
+        case "slider": case "wiggle": return [pair.view("left"), pair.view("right")];
         case "left": case "right": return [pair.view(view)];
         case "retrace": return [pair.retraceMap()];
         case "shadows": return [pair.shadowMap() ?? pair.retraceMap()];
         case "difference": return [truth ? pair.differenceMap(truth) : pair.view("right")];
-        default: throw new Error(`unknown view '${view}'`);
     }
 }
 
-/** Returns the last pair's pictures and figures. @param {string} view @param {any} glasses @param {object} more */
-async function pictured(view, glasses, more) {
-    const images = await bitmaps(view, glasses);
+/** Colour of marked pixels: orange, with its bytes from the last to the first. */
+const MARK = 0xff1a7aff;
+
+/** Returns a picture of the right pixels that were traced again; null if nothing was reused. */
+function marked() {
+    const { pair } = shown();
+    if (pair.statistics.retracedShare === 1) return null;
+    const sources = pair.channel("right", "source");
+    const pixels = new Uint32Array(sources.length);
+    sources.forEach((/** @type {number} */ source, /** @type {number} */ index) => { if (source) pixels[index] = MARK; });
+    return new ImageData(new Uint8ClampedArray(pixels.buffer), pair.width, pair.height);
+}
+
+/** Returns the last pair's pictures and figures. @param {any} request @param {object} more */
+async function pictured(request, more) {
+    const [bitmaps, transfer] = await bitmapsOf(request);
     const { statistics } = shown().pair;
-    return [{ images, statistics, deviceMs: deviceMs(statistics), lost: renderer.devicesLost, paths: passes?.paths ?? 0, ...more }, images];
+    return [{ ...bitmaps, statistics, deviceMs: deviceMs(statistics), lost: renderer.devicesLost, paths: passes?.paths ?? 0, ...more }, transfer];
 }
 
 function shown() {
@@ -87,9 +107,15 @@ function shown() {
     return last;
 }
 
-/** @param {string} view @param {any} glasses */
-async function bitmaps(view, glasses) {
-    return Promise.all(pictures(view, glasses).map((image) => createImageBitmap(image)));
+/**
+ * Returns the last pair's pictures, and marks of pixels that were traced again if they are asked for.
+ * @param {any} request @returns {Promise<[{ images: ImageBitmap[], traced: ImageBitmap | null }, ImageBitmap[]]>}
+ */
+async function bitmapsOf({ view, glasses, marks }) {
+    const images = await Promise.all(pictures(view, glasses).map((image) => createImageBitmap(image)));
+    const marking = marks ? marked() : null;
+    const traced = marking && await createImageBitmap(marking);
+    return [{ images, traced }, traced ? [...images, traced] : images];
 }
 
 /** @param {number[]} values */
@@ -148,7 +174,7 @@ const tasks = {
     },
 
     /** @param {any} request */
-    async render({ camera, options: asked, paths, lights, view, glasses, compare }, tell) {
+    async render({ camera, options: asked, paths, lights, compare, ...shownAs }, tell) {
         const { signal } = stopping;
         if (lights !== open.lights) {
             if (!lights && open.source) {
@@ -167,11 +193,11 @@ const tasks = {
         last = { pair, camera, options };
         passes = begun;
         const truth = compare ? await compared() : undefined;
-        return pictured(view, glasses, { ms, ...truth });
+        return pictured(shownAs, { ms, ...truth });
     },
 
     /** Adds a pass to the last pair. @param {any} request */
-    async refine({ view, glasses, first }) {
+    async refine({ first, ...shownAs }) {
         const { pair: before, truth, camera, options } = shown();
         const { signal } = stopping;
         if (!passes) throw new Error("nothing is refined");
@@ -190,13 +216,12 @@ const tasks = {
         before.free();
         truth?.free();
         last = { pair, camera, options };
-        return pictured(view, glasses, { ms });
+        return pictured(shownAs, { ms });
     },
 
     /** Returns the last pair in another view. @param {any} request */
-    async show({ view, glasses }) {
-        const images = await bitmaps(view, glasses);
-        return [{ images }, images];
+    async show(request) {
+        return bitmapsOf(request);
     },
 
     async compare() {

@@ -1,9 +1,13 @@
-// Reads dropped files and the files in dropped folders, by their paths.
+// Reads dropped files and the files in dropped folders and archives, by their paths, and files from addresses.
 // @ts-check
+import { unzipped } from "./zip.js";
 
 /** Maximum size of all files together. A page has 4 GiB of memory for everything that is made from them. */
 const MOST_BYTES = 1 << 30;
-const SCENES = /\.(obj|gltf|glb|ply)$/i;
+/** Maximum size of a file from an address, since a link may name a file that its reader did not choose. */
+const MOST_FETCHED = 256 << 20;
+const SCENES = /\.(obj|gltf|glb|ply|stl)$/i;
+const ARCHIVE = /\.zip$/i;
 
 /** @param {DataTransfer} transfer @returns {Promise<{ path: string, file: File }[]>} */
 export async function dropped(transfer) {
@@ -32,18 +36,17 @@ async function inside(entry) {
 
 /**
  * Returns the source that the engine opens. Throws if the scene file is not clear.
- * @param {{ path: string, file: File }[]} files
+ * @param {{ path: string, file: File }[]} given
  */
-export function source(files) {
-    const bytes = files.reduce((sum, { file }) => sum + file.size, 0);
-    if (bytes > MOST_BYTES) {
-        const [found, most] = [Math.round(bytes / 2 ** 20), MOST_BYTES / 2 ** 20];
-        throw new Error(`the files have ${found} MiB in total; the page can open at most ${most} MiB`);
-    }
+export async function source(given) {
+    check(given);
+    const unpacked = given.map(async (one) => (ARCHIVE.test(one.path) ? unzipped(one.file, MOST_BYTES) : [one]));
+    const files = (await Promise.all(unpacked)).flat();
+    check(files);
     const scenes = files.filter(({ path }) => SCENES.test(path));
     if (!scenes.length) {
         const names = files.map(({ path }) => path).slice(0, 5).join(", ");
-        throw new Error(`${names || "no files"}: no .obj, .gltf, .glb or .ply file was given`);
+        throw new Error(`${names || "no files"}: no .obj, .gltf, .glb, .ply, .stl or .zip file was given`);
     }
     if (scenes.length > 1) {
         const names = scenes.map(({ path }) => path).slice(0, 5).join(", ");
@@ -51,4 +54,46 @@ export function source(files) {
     }
     const main = scenes[0].path;
     return { files, main, name: main.replace(/^.*\//, "").replace(SCENES, "") };
+}
+
+/** @param {{ path: string, file: File }[]} files */
+function check(files) {
+    const bytes = files.reduce((sum, { file }) => sum + file.size, 0);
+    if (bytes <= MOST_BYTES) return;
+    const [found, most] = [Math.round(bytes / 2 ** 20), MOST_BYTES / 2 ** 20];
+    throw new Error(`the files have ${found} MiB in total; the page can open at most ${most} MiB`);
+}
+
+/**
+ * Fetches a model that another page may read (CORS). Nothing that identifies the reader is sent.
+ * @param {string} text an address, relative to the page's @param {(share: number) => void} tell
+ */
+export async function fetched(text, tell) {
+    const address = URL.parse(text, location.href);
+    if (!address || !/^https?:$/.test(address.protocol)) throw new Error("it is no http or https address");
+    const name = decodeURIComponent(address.pathname.split("/").at(-1) ?? "");
+    if (!SCENES.test(name) && !ARCHIVE.test(name)) {
+        throw new Error("the address must end in .obj, .gltf, .glb, .ply, .stl or .zip");
+    }
+    const response = await fetch(address, { credentials: "omit", referrerPolicy: "no-referrer" }).catch(() => null);
+    if (!response) throw new Error("the server can't be reached, or does not let other pages read the file (CORS)");
+    if (!response.ok || !response.body) throw new Error(`the server answered ${response.status} ${response.statusText}`.trim());
+    const length = Number(response.headers.get("content-length"));
+    const most = () => new Error(`the file has more than ${MOST_FETCHED / 2 ** 20} MiB`);
+    if (length > MOST_FETCHED) throw most();
+    const parts = [];
+    let bytes = 0;
+    const reader = response.body.getReader();
+    for (;;) {
+        const { done, value } = await reader.read().catch(() => { throw new Error("the connection ended early"); });
+        if (done) break;
+        parts.push(value);
+        bytes += value.byteLength;
+        if (bytes > MOST_FETCHED) {
+            await reader.cancel();
+            throw most();
+        }
+        if (length) tell(Math.min(1, bytes / length));
+    }
+    return new File(parts, name);
 }

@@ -26,6 +26,8 @@ function turned(v, axis, angle) {
 
 /** Smallest angle between the view and the up direction. The horizon is undefined where they meet. */
 const LEAST_SLANT = 0.05;
+/** Largest factor by which a camera comes nearer or goes farther than the scene's own camera. */
+const FARTHEST = 64;
 
 /**
  * Moves the eyes around the target, to their right and upwards, in radians.
@@ -38,6 +40,19 @@ export function orbited(camera, right, up) {
     const raised = Math.max(LEAST_SLANT, Math.min(Math.PI - LEAST_SLANT, slant - up)) - slant;
     const across = unit(cross(axis, arm));
     return { ...camera, eye: along(camera.target, turned(turned(arm, across, raised), axis, right), 1) };
+}
+
+/** Returns the distance of the eyes from the target. @param {{ eye: Vector, target: Vector }} camera */
+export const distance = ({ eye, target }) => Math.hypot(...sub(eye, target));
+
+/**
+ * Returns a camera whose distance from its target is neither tiny nor huge beside that of the scene's own camera.
+ * @param {Camera} camera @param {Camera} own @returns {Camera}
+ */
+export function limited(camera, own) {
+    const factor = distance(camera) / distance(own);
+    const kept = Math.max(1 / FARTHEST, Math.min(FARTHEST, factor));
+    return kept === factor ? camera : nearer(camera, kept / factor);
 }
 
 /**

@@ -1,0 +1,43 @@
+// Reads STL files: triangles without anything else.
+// @ts-check
+
+/** As many as the package reads from other files. */
+const MOST_TRIANGLES = 4 << 20;
+/** Bytes before the triangles of a binary file, and of each triangle. */
+const [HEAD, TRIANGLE] = [84, 50];
+
+/**
+ * Returns the corners of all triangles, with y up. STL files have z up.
+ * @param {Uint8Array} bytes @param {string} name
+ */
+export function corners(bytes, name) {
+    const file = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+    const count = bytes.length >= HEAD ? file.getUint32(80, true) : 0;
+    const isBinary = bytes.length >= HEAD && bytes.length === HEAD + TRIANGLE * count;
+    // A triangle in text takes more than a hundred bytes.
+    if ((isBinary ? count : bytes.length / 100) > MOST_TRIANGLES) {
+        throw new Error(`${name}: it has more than ${MOST_TRIANGLES.toLocaleString("en")} triangles`);
+    }
+    const found = isBinary ? binary(file, count) : text(new TextDecoder().decode(bytes));
+    if (!found.length || found.length % 9 || !found.every(Number.isFinite)) {
+        throw new Error(`${name}: it is no STL file, it has no triangles, or it is cut off`);
+    }
+    for (let at = 0; at < found.length; at += 3) [found[at + 1], found[at + 2]] = [found[at + 2], -found[at + 1]];
+    return found;
+}
+
+/** @param {DataView} file @param {number} count */
+function binary(file, count) {
+    const found = new Float32Array(9 * count);
+    for (let index = 0; index < found.length; index += 1) {
+        // A triangle's normal comes before its corners.
+        found[index] = file.getFloat32(HEAD + TRIANGLE * Math.floor(index / 9) + 12 + 4 * (index % 9), true);
+    }
+    return found;
+}
+
+/** @param {string} file */
+function text(file) {
+    const vertices = file.matchAll(/^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)/gim);
+    return new Float32Array([...vertices].flatMap(([, ...values]) => values.map(Number)));
+}

@@ -1,0 +1,83 @@
+// Tests the npm package.
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import path from "node:path";
+import { figures, full, natively, opened, out, site, test } from "./tools.mjs";
+
+await test("the package's example", async () => {
+    const { page, context, faults } = await opened("example/");
+    await page.waitForFunction(() => document.querySelector("#figures").textContent);
+    assert.match(await page.locator("#figures").innerText(), /% of the right eye's pixels/);
+    await page.screenshot({ path: path.join(out, "example.png") });
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
+await test("wrong values are refused by name", async () => {
+    const { page, context } = await opened("example/");
+    const messages = await page.evaluate(async () => {
+        const { Scene, render } = await import("../pkg/index.js");
+        const scene = Scene.builtin("three-spheres");
+        const camera = scene.camera(64, 48);
+        const tries = [
+            () => render(scene, { ...camera, eye: [0, 0] }),
+            () => render(scene, { ...camera, fof: 3 }),
+            () => render(scene, { ...camera, fov: 200 }),
+            () => render(scene, camera, { ambientOcclusion: { rays: 4, radius: 1, reach: 2 } }),
+            () => new Scene().setLights([{ position: [0, 1, 0], intensity: [1, 1, 1], raduis: 1 }]),
+            () => render(scene, camera, { method: "magic" }),
+            () => render(scene, camera, { samples: 10 }),
+            () => render(scene, camera, { signal: 3 }),
+            () => render(scene, camera, { signal: AbortSignal.abort() }),
+            () => Scene.fromFiles({ "a.obj": "text" }),
+            () => new Scene().addMesh({ positions: [0, 0, 0] }),
+            () => new Scene().addMesh({ positions: new Float32Array(9), indices: new Uint32Array([0, 1, 3]), uvs: new Float32Array(6) }),
+            () => render(new Scene()),
+        ];
+        const found = [];
+        for (const attempt of tries) {
+            try {
+                await attempt();
+                found.push("nothing was thrown");
+            } catch (error) {
+                found.push(`${error.name}: ${error.message}`);
+            }
+        }
+        // Simultaneous requests are rendered one after the other.
+        const both = await Promise.all([render(scene, camera), render(scene, camera, { method: "naive" })]);
+        return [...found, both.map((pair) => pair.width).join()];
+    });
+    const names = await page.evaluate(async () => (await import("../pkg/index.js")).options());
+    const types = await readFile(path.join(site, "pkg", "stereotrace_web.d.ts"), "utf8");
+    const [, fields] = types.match(/interface RenderOptions \{(.*?)\n\}/s);
+    const typed = [...fields.matchAll(/^    (\w+)\?:/gm)].map(([, name]) => name);
+    assert.deepEqual(typed.sort(), [...names, "signal", "onProgress"].sort());
+    figures.refused = messages;
+    const expected = [/camera\.eye/, /fof/, /200/, /ambientOcclusion: unknown field 'reach'/, /lights\[0\]: unknown field 'raduis'/, /magic/, /10 per pixel/, /signal/, /^AbortError/, /a\.obj.*Uint8Array/, /positions.*Float32Array/, /3 vertices/, /nothing to look at/, /^64,64$/];
+    messages.forEach((message, index) => assert.match(message, expected[index]));
+    await context.close();
+});
+
+if (full) await test("the time of a pair of 512x512", async () => {
+    const timed = await opened("example/");
+    const here = await timed.page.evaluate(async () => {
+        const { Scene, Renderer } = await import("../pkg/index.js");
+        const [scene, renderer] = [Scene.builtin("hall"), new Renderer()];
+        const camera = scene.camera(512, 512);
+        const times = { naive: [], bracket: [] };
+        for (let round = 0; round < 4; round += 1) {
+            for (const method of Object.keys(times)) {
+                const begin = performance.now();
+                const pair = await renderer.render(scene, camera, { method });
+                // The first round compiles kernels.
+                if (round) times[method].push(performance.now() - begin);
+                pair.free();
+            }
+        }
+        return { camera, ms: Object.fromEntries(Object.entries(times).map(([name, all]) => [name, all.sort((a, b) => a - b)[1]])) };
+    });
+    const folder = path.join(out, "native", "hall-512");
+    const there = await natively(folder, { scene: { builtin: "hall" }, camera: here.camera, methods: ["naive", "bracket"], rounds: 3 });
+    figures.pair512 = { browser: here.ms, native: there.ms };
+    await timed.context.close();
+});
