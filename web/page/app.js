@@ -57,7 +57,11 @@ for (const id of ["view", "glasses"]) element(id).addEventListener("change", () 
 element("message").lastElementChild.addEventListener("click", () => notice(""));
 element("stop").addEventListener("click", () => void stop());
 element("share").addEventListener("click", () => void share());
-element("full").addEventListener("click", () => element("frame").requestFullscreen());
+element("full").addEventListener("click", async () => {
+    await element("frame").requestFullscreen();
+    // Its keys change the view, as the buttons are out of sight.
+    element("picture").focus();
+});
 
 element("compare").addEventListener("click", () => alone("comparing", async () => {
     compared(await engine().ask("compare"));
@@ -106,10 +110,13 @@ element("copy").addEventListener("click", async () => {
     }
 });
 let resized = 0;
-addEventListener("resize", () => {
-    clearTimeout(resized);
-    resized = setTimeout(() => { if (element("size").value === "auto") ask("whole"); }, 300);
-});
+// On phones full screen may have the window's size.
+for (const event of ["resize", "fullscreenchange"]) {
+    addEventListener(event, () => {
+        clearTimeout(resized);
+        resized = setTimeout(() => { if (element("size").value === "auto") ask("whole"); }, 300);
+    });
+}
 
 // --- Begin ---
 

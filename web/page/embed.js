@@ -24,6 +24,15 @@ export function told(done) {
     answer({ stereotrace: "picture", values: Object.fromEntries(values()), cost: cost(done) });
 }
 
+/** Changes the shown view, and returns what is wrong with the values. @param {URLSearchParams} asked */
+function set(asked) {
+    const faults = apply(asked).join("\n");
+    notice(faults, { lasts: true });
+    label();
+    ask("whole");
+    return faults;
+}
+
 /** Begins to heed the host. */
 export function embedded() {
     if (!host) return;
@@ -41,15 +50,8 @@ export function embedded() {
             return answer({ stereotrace: "error", message: "values: it must be an object, with values as in the address" });
         }
         const asked = new URLSearchParams(Object.entries(data.values).map(([name, value]) => [name, String(value)]));
-        if (asked.has("scene") || asked.has("model")) {
-            await openLinked(asked);
-        } else {
-            const faults = apply(asked);
-            if (faults.length) notice(faults.join("\n"), { lasts: true });
-            label();
-            ask("whole");
-        }
-        if (!element("message").hidden) answer({ stereotrace: "error", message: element("message").firstElementChild.textContent });
+        const message = asked.has("scene") || asked.has("model") ? await openLinked(asked) : set(asked);
+        if (message) answer({ stereotrace: "error", message });
     });
     // This says nothing that is private, so that any host may receive it.
     host.postMessage({ stereotrace: "ready" }, "*");

@@ -50,7 +50,7 @@ export function tell(done) {
 export function figures({ ms, statistics, deviceMs, paths }, pictureSize, scale) {
     const { method, retracedShare, passes, left, right } = statistics;
     const rays = (eye) => eye.primary + eye.verification + eye.shadow + eye.secondary;
-    const compiled = ms > 4 * (deviceMs ?? ms) + 300 ? ", mostly compilation" : "";
+    const compiled = ms > 2 * (deviceMs ?? ms) + 300 ? ", mostly compilation" : "";
     const rows = [["time, both eyes", `${milliseconds(ms)}${compiled}`]];
     if (retracedShare === 1) {
         rows.push(["right eye", "traced, nothing reused"]);
@@ -60,7 +60,6 @@ export function figures({ ms, statistics, deviceMs, paths }, pictureSize, scale)
     }
     const eyes = split(passes);
     if (eyes) {
-        rows.push(["device time, left + right", `${eyes.left.toFixed(1)} + ${eyes.right.toFixed(1)} ms`]);
         rows.push(["device time, right relative to left", `${(100 * eyes.right / eyes.left).toFixed(0)}%`]);
     } else if (deviceMs !== undefined) {
         rows.push(["device time", `${deviceMs.toFixed(1)} ms`]);

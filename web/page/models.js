@@ -18,7 +18,7 @@ export const opening = () => waiting > 0;
 
 /**
  * Opens a scene, with the values of a link. Only the newest of several requests is opened.
- * @param {any} source @param {URLSearchParams} [values]
+ * @param {any} source @param {URLSearchParams} [values] @returns {Promise<string>} what is wrong with them
  */
 export async function openScene(source, values = new URLSearchParams()) {
     const mine = ++asked;
@@ -31,7 +31,7 @@ export async function openScene(source, values = new URLSearchParams()) {
         say("reading…");
         dataset.state = "opening";
         await cleared();
-        if (mine !== asked) return;
+        if (mine !== asked) return "";
         sized(values.get("size"));
         const { camera, info, warnings } = await engine().ask("open", { source, size: size() });
         // On a software adapter the first picture by paths takes a minute.
@@ -43,16 +43,18 @@ export async function openScene(source, values = new URLSearchParams()) {
         element("scene").value = source.builtin ?? "";
         notice("");
         lookAhead();
-        const faults = apply(values);
-        if (faults.length) notice(faults.join("\n"), { lasts: true });
+        const faults = apply(values).join("\n");
+        if (faults) notice(faults, { lasts: true });
         describe(info, warnings);
         label();
         ask("whole");
+        return faults;
     } catch (error) {
         // The previous scene is still open.
         if (mine === asked) dataset.state = shown ?? "";
         element("scene").value = before.source?.builtin ?? "";
         await failed(error);
+        return error.name === "AbortError" ? "" : error.message;
     } finally {
         waiting -= 1;
         if (mine === asked) say("");
@@ -91,7 +93,7 @@ export async function openFiles(files) {
 
 /**
  * Opens the scene that a link names: a model's address, a built-in scene, or the first one.
- * @param {URLSearchParams} values
+ * @param {URLSearchParams} values @returns {Promise<string>} what is wrong with them
  */
 export async function openLinked(values) {
     const model = values.get("model");
@@ -109,8 +111,10 @@ export async function openLinked(values) {
             say("");
         }
     }
-    await openScene({ builtin: scenes.includes(scene) ? scene : FIRST_SCENE }, values);
-    if (fault) notice([fault, element("message").hidden ? "" : element("message").innerText].filter(Boolean).join("\n"), { lasts: true });
+    const others = await openScene({ builtin: scenes.includes(scene) ? scene : FIRST_SCENE }, values);
+    const faults = [fault, others].filter(Boolean).join("\n");
+    if (fault) notice(faults, { lasts: true });
+    return faults;
 }
 
 /** Opens the scene again in a new engine. */

@@ -1,7 +1,7 @@
 // Shows the last pair in the chosen view: a picture with a divider between the eyes, eyes by turns, or one picture.
 // @ts-check
 import { Head } from "./head.js";
-import { size } from "./settings.js";
+import { isPacked, size } from "./settings.js";
 import { element } from "./state.js";
 
 const WIGGLE_MS = 180;
@@ -32,7 +32,7 @@ export function put(next, shown, span) {
     for (const image of [...images, traced]) image?.close();
     images = next.images;
     traced = next.traced ?? null;
-    shownAs = { view: shown, around: span, views: shown === "side-by-side" || shown === "cross-eyed" ? 2 : 1 };
+    shownAs = { view: shown, around: span, views: isPacked(shown) ? 2 : 1 };
     swing = 0;
     element("poster").hidden = true;
     canvas.hidden = false;

@@ -54,12 +54,16 @@ export const light = (paths) =>
 /** Returns whether pixels that were traced again are marked in the chosen view. */
 export const marks = () => MARKED.includes(view()) && !around();
 
+/** Whether a view has both eyes beside each other. @param {View} shown */
+export const isPacked = (shown) => shown === "side-by-side" || shown === "cross-eyed";
+
 /** Width and height of a whole picture. */
 export function size() {
     const chosen = element("size").value;
     if (chosen !== "auto") return chosen.split("x").map(Number);
-    const { clientWidth: width } = element("frame");
-    const height = document.fullscreenElement ? innerHeight : Math.max(200, Math.min(0.75 * width, 0.72 * innerHeight));
+    const full = document.fullscreenElement;
+    const width = element("frame").clientWidth / (full && isPacked(view()) ? 2 : 1);
+    const height = full ? innerHeight : Math.max(200, Math.min(0.75 * width, 0.72 * innerHeight));
     const most = state.adapter.software ? MOST_SIDE.software : MOST_SIDE.hardware;
     const scale = Math.min(devicePixelRatio, most / Math.max(width, height));
     return [width, height].map((side) => Math.max(16, Math.round(side * scale)));

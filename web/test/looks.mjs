@@ -191,6 +191,36 @@ await test("fields have names and values for screen readers, and the page is wal
     await context.close();
 });
 
+await test("full screen shows both eyes side by side, and a tilted phone looks around", async () => {
+    const { page, context, faults } = await opened("?scene=three-spheres&method=naive&view=side-by-side", PHONE);
+    await whole(page);
+    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.click("#full");
+    await whole(page);
+    assert.equal(await page.evaluate(() => document.fullscreenElement?.id), "frame");
+    assert.equal(await page.evaluate(() => document.activeElement?.id), "picture", "keys change the view");
+    const { width, height } = await pixels(page);
+    const [wide, high] = await page.evaluate(() => [innerWidth, innerHeight]);
+    assert.ok(Math.abs(width / height - wide / high) < 0.02, `${width}x${height} in ${wide}x${high}`);
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+        return document.exitFullscreen();
+    });
+    await whole(page);
+    const before = JSON.stringify(await pixels(page));
+    const tilt = (gamma) => page.evaluate((gamma) => dispatchEvent(new DeviceOrientationEvent("deviceorientation", { beta: 10, gamma })), gamma);
+    await tilt(20);
+    await page.waitForTimeout(300);
+    assert.ok(JSON.stringify(await pixels(page)) === before, "nobody asked for it");
+    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.click("#tilt");
+    for (const gamma of [0, 5, 12]) await tilt(gamma);
+    await whole(page);
+    assert.ok(JSON.stringify(await pixels(page)) !== before, "a tilt changes nothing");
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
 await test("axe finds no fault, in light and dark, wide and narrow", async () => {
     for (const options of [{}, { colorScheme: "dark" }, { ...PHONE, colorScheme: "dark" }]) {
         const { page, context } = await opened("?scene=three-spheres&size=96x72&method=bracket", options);
