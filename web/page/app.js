@@ -1,4 +1,5 @@
-// The page: it connects the fields and buttons, and begins with what its address asks for. engine.js renders in a worker.
+// The page: it connects the fields and buttons, and begins with what its address asks for. engine.js renders in a
+// worker.
 // @ts-check
 import { plot, tabulate } from "./chart.js";
 import { Engine } from "./client.js";
@@ -52,8 +53,16 @@ for (const id of ["samples", "lights"]) {
     element(id).addEventListener("change", () => ask("whole"));
 }
 element("projection").addEventListener("change", lookAhead);
-for (const id of ["method", "size", "light", "projection"]) element(id).addEventListener("change", () => { label(); ask("whole"); });
-for (const id of ["view", "glasses"]) element(id).addEventListener("change", () => { label(); ask("show"); });
+for (const id of ["method", "size", "light", "projection"])
+    element(id).addEventListener("change", () => {
+        label();
+        ask("whole");
+    });
+for (const id of ["view", "glasses"])
+    element(id).addEventListener("change", () => {
+        label();
+        ask("show");
+    });
 element("message").lastElementChild.addEventListener("click", () => notice(""));
 element("stop").addEventListener("click", () => void stop());
 element("share").addEventListener("click", () => void share());
@@ -63,43 +72,57 @@ element("full").addEventListener("click", async () => {
     element("picture").focus();
 });
 
-element("compare").addEventListener("click", () => alone("comparing", async () => {
-    compared(await engine().ask("compare"));
-    element("view").value = "difference";
-    label();
-    await show();
-}));
-element("save").addEventListener("click", () => alone("writing", async () => {
-    const span = shownAround();
-    // Players of equirectangular pictures know both views by such names.
-    const [shown, name] = span === 360 ? ["top-bottom", "360_TB"] : span ? ["side-by-side", "180x180_3dh"] : [view(), view()];
-    download(await engine().ask("png", { ...settings(), view: shown }), `${state.open.name}_${name}.png`);
-}));
-element("save-eyes").addEventListener("click", () => alone("writing", async () => {
-    for (const eye of ["left", "right"]) download(await engine().ask("png", { view: eye }), `${state.open.name}_${eye}.png`);
-}));
-element("quilt").addEventListener("click", () => alone("rendering a quilt", async (tell) => {
-    const { columns, rows, size, interaxialPixels } = QUILT;
-    if (around()) throw new Error("A quilt is planar: choose the planar projection.");
-    const { interaxial: _, ...rest } = seen();
-    const camera = { ...rest, size, interaxialPixels };
-    const request = { camera, options: settings().options, columns, rows, name: state.open.name };
-    const { blob, name } = await engine().ask("quilt", request, tell);
-    download(blob, name);
-}));
-element("measure").addEventListener("click", () => alone("measuring", async (tell) => {
-    const { samples } = settings().options;
-    const found = await engine().ask("measure", { camera: seen(), options: { samples }, rounds: ROUNDS }, tell);
-    element("chart").hidden = false;
-    element("plot").replaceChildren(plot(found));
-    tabulate(found, element("chart").querySelector("table"));
-    element("json").value = JSON.stringify(found, null, 1);
-    element("chart").scrollIntoView({ behavior: "smooth" });
-}));
-element("report").addEventListener("click", () => alone("measuring this device", async (tell) => {
-    const page = await engine().ask("report", {}, tell);
-    download(new Blob([page], { type: "text/html" }), "stereotrace-report.html");
-}));
+element("compare").addEventListener("click", () =>
+    alone("comparing", async () => {
+        compared(await engine().ask("compare"));
+        element("view").value = "difference";
+        label();
+        await show();
+    }),
+);
+element("save").addEventListener("click", () =>
+    alone("writing", async () => {
+        const span = shownAround();
+        // Players of equirectangular pictures know both views by such names.
+        const [shown, name] =
+            span === 360 ? ["top-bottom", "360_TB"] : span ? ["side-by-side", "180x180_3dh"] : [view(), view()];
+        download(await engine().ask("png", { ...settings(), view: shown }), `${state.open.name}_${name}.png`);
+    }),
+);
+element("save-eyes").addEventListener("click", () =>
+    alone("writing", async () => {
+        for (const eye of ["left", "right"])
+            download(await engine().ask("png", { view: eye }), `${state.open.name}_${eye}.png`);
+    }),
+);
+element("quilt").addEventListener("click", () =>
+    alone("rendering a quilt", async (tell) => {
+        const { columns, rows, size, interaxialPixels } = QUILT;
+        if (around()) throw new Error("A quilt is planar: choose the planar projection.");
+        const { interaxial: _, ...rest } = seen();
+        const camera = { ...rest, size, interaxialPixels };
+        const request = { camera, options: settings().options, columns, rows, name: state.open.name };
+        const { blob, name } = await engine().ask("quilt", request, tell);
+        download(blob, name);
+    }),
+);
+element("measure").addEventListener("click", () =>
+    alone("measuring", async (tell) => {
+        const { samples } = settings().options;
+        const found = await engine().ask("measure", { camera: seen(), options: { samples }, rounds: ROUNDS }, tell);
+        element("chart").hidden = false;
+        element("plot").replaceChildren(plot(found));
+        tabulate(found, element("chart").querySelector("table"));
+        element("json").value = JSON.stringify(found, null, 1);
+        element("chart").scrollIntoView({ behavior: "smooth" });
+    }),
+);
+element("report").addEventListener("click", () =>
+    alone("measuring this device", async (tell) => {
+        const page = await engine().ask("report", {}, tell);
+        download(new Blob([page], { type: "text/html" }), "stereotrace-report.html");
+    }),
+);
 element("copy").addEventListener("click", async () => {
     try {
         await navigator.clipboard.writeText(element("json").value);
@@ -114,7 +137,9 @@ let resized = 0;
 for (const event of ["resize", "fullscreenchange"]) {
     addEventListener(event, () => {
         clearTimeout(resized);
-        resized = setTimeout(() => { if (element("size").value === "auto") ask("whole"); }, 300);
+        resized = setTimeout(() => {
+            if (element("size").value === "auto") ask("whole");
+        }, 300);
     });
 }
 
@@ -123,18 +148,23 @@ for (const event of ["resize", "fullscreenchange"]) {
 /** Returns what is missing if nothing can be rendered. */
 function missing() {
     if (!isSecureContext) {
-        return "This page needs WebGPU, which browsers offer only over https and on localhost. "
-            + "Open the page at such an address.";
+        return (
+            "This page needs WebGPU, which browsers offer only over https and on localhost. " +
+            "Open the page at such an address."
+        );
     }
     if (!("gpu" in navigator)) {
-        return "This browser has no WebGPU, which this page needs. Chrome and Edge have it from version 113, "
-            + "Safari from 26, and Firefox from 141 on Windows. In Firefox on other systems you may have to enable it.";
+        return (
+            "This browser has no WebGPU, which this page needs. Chrome and Edge have it from version 113, " +
+            "Safari from 26, and Firefox from 141 on Windows. In Firefox on other systems you may have to enable it."
+        );
     }
     return "";
 }
 
 /** @param {HTMLSelectElement} list @param {string[]} names @param {string} [usual] the first one, if it is not said */
-const fill = (list, names, usual = names[0]) => list.replaceChildren(...names.map((name) => new Option(name, name, name === usual, name === usual)));
+const fill = (list, names, usual = names[0]) =>
+    list.replaceChildren(...names.map((name) => new Option(name, name, name === usual, name === usual)));
 
 async function begin() {
     element("view").replaceChildren(...Object.entries(VIEWS).map(([name, text]) => new Option(text, name)));
@@ -146,8 +176,10 @@ async function begin() {
     state.engine = new Engine();
     const { adapter, builtins, methods, anaglyphs, version } = await engine().ask("begin");
     if (!adapter) {
-        return nothing("This browser has WebGPU, but found no graphics adapter for it. The driver may be too old or "
-            + "blocked, or hardware acceleration may be disabled in the browser's settings.");
+        return nothing(
+            "This browser has WebGPU, but found no graphics adapter for it. The driver may be too old or " +
+                "blocked, or hardware acceleration may be disabled in the browser's settings.",
+        );
     }
     state.adapter = adapter;
     fill(element("scene"), builtins, FIRST_SCENE);
@@ -155,9 +187,10 @@ async function begin() {
     fill(element("glasses"), anaglyphs);
     const { vendor, architecture, device, description, software, timestamps } = adapter;
     const name = [vendor, architecture, device, description].filter(Boolean).join(" ") || "an unnamed adapter";
-    element("adapter").textContent = `stereotrace ${version} on ${name}.`
-        + (software ? " It is a software adapter. Pictures take a second or more, but milliseconds on a GPU." : "")
-        + (timestamps ? "" : " It has no timestamps, so times are of whole frames and include the browser's overhead.");
+    element("adapter").textContent =
+        `stereotrace ${version} on ${name}.` +
+        (software ? " It is a software adapter. Pictures take a second or more, but milliseconds on a GPU." : "") +
+        (timestamps ? "" : " It has no timestamps, so times are of whole frames and include the browser's overhead.");
     await openLinked(new URLSearchParams(location.search));
 }
 
@@ -166,7 +199,8 @@ function nothing(text) {
     state.fault = text;
     state.engine = null;
     notice(text, { lasts: true });
-    element("sentence").textContent = "This picture was made before: the right half shows the right eye, and marks what was traced again.";
+    element("sentence").textContent =
+        "This picture was made before: the right half shows the right eye, and marks what was traced again.";
     for (const field of element("panel").elements) field.disabled = true;
     for (const id of ["view", "marked", "full", "share"]) element(id).disabled = true;
     document.documentElement.dataset.state = "nothing";

@@ -18,12 +18,20 @@ function node(name, attributes, text) {
  * @param {any} figures
  */
 export function plot(figures) {
-    const svg = node("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": "Share of wrong pixels against time" });
+    const svg = node("svg", {
+        viewBox: `0 0 ${WIDTH} ${HEIGHT}`,
+        role: "img",
+        "aria-label": "Share of wrong pixels against time",
+    });
     const most = Math.max(1.2, ...figures.methods.map((row) => row.msOfNaive)) * 1.05;
     /** @param {number} share */
-    const x = (share) => LEFT + (WIDTH - LEFT - RIGHT) * share / most;
+    const x = (share) => LEFT + ((WIDTH - LEFT - RIGHT) * share) / most;
     /** @param {number} percent */
-    const y = (percent) => HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (Math.log10(Math.max(percent, LEAST)) - Math.log10(LEAST)) / (2 - Math.log10(LEAST));
+    const y = (percent) =>
+        HEIGHT -
+        BOTTOM -
+        ((HEIGHT - TOP - BOTTOM) * (Math.log10(Math.max(percent, LEAST)) - Math.log10(LEAST))) /
+            (2 - Math.log10(LEAST));
     for (let power = Math.log10(LEAST); power <= 2; power += 1) {
         const at = y(10 ** power);
         svg.append(node("line", { x1: LEFT, x2: WIDTH - RIGHT, y1: at, y2: at }));
@@ -31,10 +39,21 @@ export function plot(figures) {
         svg.append(node("text", { x: LEFT - 8, y: at + 4, "text-anchor": "end", class: "axis" }, label));
     }
     for (let share = 0; share <= most; share += most > 3 ? 1 : 0.2) {
-        svg.append(node("text", { x: x(share), y: HEIGHT - BOTTOM + 18, "text-anchor": "middle", class: "axis" }, share.toFixed(most > 3 ? 0 : 1)));
+        svg.append(
+            node(
+                "text",
+                { x: x(share), y: HEIGHT - BOTTOM + 18, "text-anchor": "middle", class: "axis" },
+                share.toFixed(most > 3 ? 0 : 1),
+            ),
+        );
     }
-    svg.append(node("text", { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 8, "text-anchor": "middle", class: "axis" },
-        "time of the pair relative to naive (vertical axis: share of right pixels that differ from naive)"));
+    svg.append(
+        node(
+            "text",
+            { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 8, "text-anchor": "middle", class: "axis" },
+            "time of the pair relative to naive (vertical axis: share of right pixels that differ from naive)",
+        ),
+    );
     // Labels that would cover each other are moved down, with a line to their points.
     /** @type {number[][]} */
     const taken = [];
@@ -62,13 +81,25 @@ export function tabulate(figures, table) {
         ["traced", (row) => `${(100 * row.retracedShare).toFixed(1)}%`],
         ["wrong colour", (row) => `${(100 - row.identicalPercent).toFixed(3)}%`],
         ["wrong surface", (row) => `${row.wrongSurfacePercent.toFixed(3)}%`],
-        ["PSNR", (row) => row.psnr === null ? "∞" : `${row.psnr.toFixed(1)} dB`],
+        ["PSNR", (row) => (row.psnr === null ? "∞" : `${row.psnr.toFixed(1)} dB`)],
     ];
     const line = (cells, kind) => {
         const tr = document.createElement("tr");
         tr.append(...cells.map((text) => Object.assign(document.createElement(kind), { textContent: text })));
         return tr;
     };
-    table.tHead?.replaceChildren(line(columns.map(([name]) => name), "th"));
-    table.tBodies[0].replaceChildren(...figures.methods.map((row) => line(columns.map(([, cell]) => cell(row)), "td")));
+    table.tHead?.replaceChildren(
+        line(
+            columns.map(([name]) => name),
+            "th",
+        ),
+    );
+    table.tBodies[0].replaceChildren(
+        ...figures.methods.map((row) =>
+            line(
+                columns.map(([, cell]) => cell(row)),
+                "td",
+            ),
+        ),
+    );
 }

@@ -4,9 +4,12 @@
 /** @param {string} message */
 const aborted = (message) => new DOMException(message, "AbortError");
 
+/** @typedef {(done: number) => void} Tell receives progress, 0 to 1 */
+/** @typedef {{ done: (result: any) => void, failed: (error: any) => void, tell?: Tell }} Asked */
+
 export class Engine {
     constructor() {
-        /** @type {Map<number, { done: (result: any) => void, failed: (error: any) => void, tell?: (done: number) => void }>} */
+        /** @type {Map<number, Asked>} */
         this.waiting = new Map();
         this.last = 0;
         this.ended = false;
@@ -45,7 +48,7 @@ export class Engine {
         this.waiting.clear();
     }
 
-    /** @param {string} task @param {object} request @param {((done: number) => void) | undefined} [tell] @returns {Promise<any>} */
+    /** @param {string} task @param {object} request @param {Tell | undefined} [tell] @returns {Promise<any>} */
     async ask(task, request = {}, tell) {
         await this.ready;
         if (this.ended) throw aborted("the engine was replaced");

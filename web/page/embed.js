@@ -1,6 +1,8 @@
 // A page that embeds this one in a frame sets views by messages, and is told what they cost (docs/BROWSER.md).
 //   to this page      { stereotrace: "set", values: { scene: "hall", e: 1.5, … } }      values as in the address
-//   from this page    { stereotrace: "ready" }, { stereotrace: "picture", values, cost }, { stereotrace: "error", message }
+//   from this page    { stereotrace: "ready" }
+//                     { stereotrace: "picture", values, cost }
+//                     { stereotrace: "error", message }
 // @ts-check
 import { cost } from "./figures.js";
 import { apply, values } from "./link.js";
@@ -11,7 +13,7 @@ import { label } from "./settings.js";
 
 /** The page around this one. Messages of other windows are ignored. */
 const host = parent === window ? null : parent;
-/** The host's origin, once it has sent a message. It alone receives answers. A frame without an origin receives none. */
+/** The host's origin, once it has sent a message. It alone receives answers. A host without an origin receives none. */
 let origin = "";
 
 /** @param {object} message */
@@ -40,14 +42,21 @@ export function embedded() {
     const link = element("whole-page");
     link.hidden = false;
     // The link leads to what is shown now.
-    link.addEventListener("pointerdown", () => { link.href = location.href; });
-    link.addEventListener("focus", () => { link.href = location.href; });
+    link.addEventListener("pointerdown", () => {
+        link.href = location.href;
+    });
+    link.addEventListener("focus", () => {
+        link.href = location.href;
+    });
     addEventListener("message", async ({ source, origin: from, data }) => {
         if (source !== host || data?.stereotrace !== "set") return;
         origin = from;
         if (state.fault) return answer({ stereotrace: "error", message: state.fault });
         if (typeof data.values !== "object" || data.values === null) {
-            return answer({ stereotrace: "error", message: "values: it must be an object, with values as in the address" });
+            return answer({
+                stereotrace: "error",
+                message: "values: it must be an object, with values as in the address",
+            });
         }
         const asked = new URLSearchParams(Object.entries(data.values).map(([name, value]) => [name, String(value)]));
         const message = asked.has("scene") || asked.has("model") ? await openLinked(asked) : set(asked);

@@ -6,12 +6,19 @@ import { corners } from "./stl.js";
 
 /** @typedef {import("./pkg/index.js").Camera} Camera */
 /** @typedef {import("./pkg/index.js").RenderOptions} RenderOptions */
+/** @typedef {import("./pkg/index.js").Pair} Pair */
 
 const renderer = new Renderer();
 /** The open scene, its source, its size, and the number of lights placed in it (0: its own lights). */
-let open = { scene: /** @type {Scene | null} */ (null), source: /** @type {any} */ (null), size: [640, 480], lights: 0 };
+let open = {
+    scene: /** @type {Scene | null} */ (null),
+    source: /** @type {any} */ (null),
+    size: [640, 480],
+    lights: 0,
+};
 /** The last rendered pair, its camera and options, and the same pair by naive if it was requested. */
-let last = /** @type {{ pair: import("./pkg/index.js").Pair, camera: Camera, options: RenderOptions, truth?: import("./pkg/index.js").Pair, truthMs?: number } | null} */ (null);
+let last =
+    /** @type {{ pair: Pair, camera: Camera, options: RenderOptions, truth?: Pair, truthMs?: number } | null} */ (null);
 /** Passes of the last pair, if its light is by paths. */
 let passes = /** @type {Passes | null} */ (null);
 /** Exposures that suit the open scene, by its lights and options. */
@@ -38,7 +45,9 @@ async function sceneOf(source) {
     /** @type {Record<string, Uint8Array>} */
     const files = {};
     for (const { path, file } of source.files) files[path] = new Uint8Array(await file.arrayBuffer());
-    const scene = /\.stl$/i.test(source.main) ? stl(files[source.main], source.main) : Scene.fromFiles(files, source.main);
+    const scene = /\.stl$/i.test(source.main)
+        ? stl(files[source.main], source.main)
+        : Scene.fromFiles(files, source.main);
     scene.setSky(BACKDROP.nadir, BACKDROP.zenith);
     return scene;
 }
@@ -72,13 +81,24 @@ async function png(image) {
 function pictures(view, glasses) {
     const { pair, truth } = shown();
     switch (view) {
-        case "anaglyph": return [pair.anaglyph(glasses)];
-        case "side-by-side": case "cross-eyed": case "top-bottom": return [pair.packed(view)];
-        case "slider": case "wiggle": return [pair.view("left"), pair.view("right")];
-        case "left": case "right": return [pair.view(view)];
-        case "retrace": return [pair.retraceMap()];
-        case "shadows": return [pair.shadowMap() ?? pair.retraceMap()];
-        case "difference": return [truth ? pair.differenceMap(truth) : pair.view("right")];
+        case "anaglyph":
+            return [pair.anaglyph(glasses)];
+        case "side-by-side":
+        case "cross-eyed":
+        case "top-bottom":
+            return [pair.packed(view)];
+        case "slider":
+        case "wiggle":
+            return [pair.view("left"), pair.view("right")];
+        case "left":
+        case "right":
+            return [pair.view(view)];
+        case "retrace":
+            return [pair.retraceMap()];
+        case "shadows":
+            return [pair.shadowMap() ?? pair.retraceMap()];
+        case "difference":
+            return [truth ? pair.differenceMap(truth) : pair.view("right")];
     }
 }
 
@@ -91,7 +111,9 @@ function marked() {
     if (pair.statistics.retracedShare === 1) return null;
     const sources = pair.channel("right", "source");
     const pixels = new Uint32Array(sources.length);
-    sources.forEach((/** @type {number} */ source, /** @type {number} */ index) => { if (source) pixels[index] = MARK; });
+    sources.forEach((/** @type {number} */ source, /** @type {number} */ index) => {
+        if (source) pixels[index] = MARK;
+    });
     return new ImageData(new Uint8ClampedArray(pixels.buffer), pair.width, pair.height);
 }
 
@@ -99,7 +121,17 @@ function marked() {
 async function pictured(request, more) {
     const [bitmaps, transfer] = await bitmapsOf(request);
     const { statistics } = shown().pair;
-    return [{ ...bitmaps, statistics, deviceMs: deviceMs(statistics), lost: renderer.devicesLost, paths: passes?.paths ?? 0, ...more }, transfer];
+    return [
+        {
+            ...bitmaps,
+            statistics,
+            deviceMs: deviceMs(statistics),
+            lost: renderer.devicesLost,
+            paths: passes?.paths ?? 0,
+            ...more,
+        },
+        transfer,
+    ];
 }
 
 function shown() {
@@ -114,7 +146,7 @@ function shown() {
 async function bitmapsOf({ view, glasses, marks }) {
     const images = await Promise.all(pictures(view, glasses).map((image) => createImageBitmap(image)));
     const marking = marks ? marked() : null;
-    const traced = marking && await createImageBitmap(marking);
+    const traced = marking && (await createImageBitmap(marking));
     return [{ images, traced }, traced ? [...images, traced] : images];
 }
 
@@ -127,18 +159,23 @@ const deviceMs = (statistics) => statistics.passes?.reduce((sum, pass) => sum + 
 async function timed(camera, options, refined) {
     if (!open.scene) throw new Error("no scene is open");
     const begin = performance.now();
-    const pair = await (refined ? renderer.addTo(refined, open.scene, camera, options) : renderer.render(open.scene, camera, options));
+    const pair = await (refined
+        ? renderer.addTo(refined, open.scene, camera, options)
+        : renderer.render(open.scene, camera, options));
     return { pair, ms: performance.now() - begin };
 }
 
 /** Returns the number of bounces of light by paths. @param {RenderOptions} options */
 const bounces = (options) => Number(options.lighting?.split(":")[1]);
 
-/** Returns the exposure of a file's pictures, which its first picture decides. @param {Camera} camera @param {RenderOptions} options */
+/**
+ * Returns the exposure of a file's pictures, which its first picture decides.
+ * @param {Camera} camera @param {RenderOptions} options
+ */
 async function exposure(camera, options) {
     if (!open.scene?.info.physicallyBased) return 0;
     const key = `${open.lights} ${Boolean(options.lighting)}`;
-    const known = exposures.get(key) ?? await renderer.suggestExposure(open.scene, camera, options);
+    const known = exposures.get(key) ?? (await renderer.suggestExposure(open.scene, camera, options));
     exposures.set(key, known);
     return known;
 }
@@ -156,7 +193,13 @@ async function compared() {
 
 const tasks = {
     async begin() {
-        return { adapter: await adapter(), builtins: builtins(), methods: methods(), anaglyphs: anaglyphs(), version: version() };
+        return {
+            adapter: await adapter(),
+            builtins: builtins(),
+            methods: methods(),
+            anaglyphs: anaglyphs(),
+            version: version(),
+        };
     },
 
     /** @param {any} request */
@@ -239,8 +282,16 @@ const tasks = {
         if (!open.scene) throw new Error("no scene is open");
         const { signal } = stopping;
         const exposed = { ...options, exposure: await exposure(camera, options) };
-        const views = await renderer.views(open.scene, camera, columns * rows, { ...exposed, signal, onProgress: tell });
-        const result = { blob: await png(views.quilt(columns, rows)), name: views.quiltName(name, columns, rows), traced: views.traced };
+        const views = await renderer.views(open.scene, camera, columns * rows, {
+            ...exposed,
+            signal,
+            onProgress: tell,
+        });
+        const result = {
+            blob: await png(views.quilt(columns, rows)),
+            name: views.quiltName(name, columns, rows),
+            traced: views.traced,
+        };
         views.free();
         return result;
     },
@@ -285,15 +336,30 @@ const tasks = {
         const found = rows.map(({ method, secondEye, retracedShare, difference, times, device }) => {
             const ms = median(times);
             return {
-                method, ms, msOfNaive: ms / naive, deviceMs: device.length ? median(device) : null, secondEye, retracedShare,
+                method,
+                ms,
+                msOfNaive: ms / naive,
+                deviceMs: device.length ? median(device) : null,
+                secondEye,
+                retracedShare,
                 // JSON has no infinity.
-                ...difference, psnr: Number.isFinite(difference.psnr) ? difference.psnr : null,
+                ...difference,
+                psnr: Number.isFinite(difference.psnr) ? difference.psnr : null,
             };
         });
         const { triangles, primitives, lights } = open.scene.info;
         return {
-            stereotrace: version(), date: new Date().toISOString(), browser: navigator.userAgent, adapter: await adapter(),
-            scene: open.source.builtin ?? open.source.name, triangles, primitives, lights, camera, samples: options.samples ?? 1, rounds,
+            stereotrace: version(),
+            date: new Date().toISOString(),
+            browser: navigator.userAgent,
+            adapter: await adapter(),
+            scene: open.source.builtin ?? open.source.name,
+            triangles,
+            primitives,
+            lights,
+            camera,
+            samples: options.samples ?? 1,
+            rounds,
             methods: found,
         };
     },

@@ -12,7 +12,9 @@ const ARCHIVE = /\.zip$/i;
 /** @param {DataTransfer} transfer @returns {Promise<{ path: string, file: File }[]>} */
 export async function dropped(transfer) {
     // Entries are gone once the event is over, so all are requested before anything is awaited.
-    const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter((entry) => entry !== null && entry !== undefined);
+    const entries = [...transfer.items]
+        .map((item) => item.webkitGetAsEntry?.())
+        .filter((entry) => entry !== null && entry !== undefined);
     if (!entries.length) return [...transfer.files].map((file) => ({ path: file.name, file }));
     return (await Promise.all(entries.map(inside))).flat();
 }
@@ -45,11 +47,17 @@ export async function source(given) {
     check(files);
     const scenes = files.filter(({ path }) => SCENES.test(path));
     if (!scenes.length) {
-        const names = files.map(({ path }) => path).slice(0, 5).join(", ");
+        const names = files
+            .map(({ path }) => path)
+            .slice(0, 5)
+            .join(", ");
         throw new Error(`${names || "no files"}: no .obj, .gltf, .glb, .ply, .stl or .zip file was given`);
     }
     if (scenes.length > 1) {
-        const names = scenes.map(({ path }) => path).slice(0, 5).join(", ");
+        const names = scenes
+            .map(({ path }) => path)
+            .slice(0, 5)
+            .join(", ");
         throw new Error(`${names}: open one model at a time, with its own files`);
     }
     const main = scenes[0].path;
@@ -77,7 +85,8 @@ export async function fetched(text, tell) {
     }
     const response = await fetch(address, { credentials: "omit", referrerPolicy: "no-referrer" }).catch(() => null);
     if (!response) throw new Error("the server can't be reached, or does not let other pages read the file (CORS)");
-    if (!response.ok || !response.body) throw new Error(`the server answered ${response.status} ${response.statusText}`.trim());
+    if (!response.ok || !response.body)
+        throw new Error(`the server answered ${response.status} ${response.statusText}`.trim());
     const length = Number(response.headers.get("content-length"));
     const most = () => new Error(`the file has more than ${MOST_FETCHED / 2 ** 20} MiB`);
     if (length > MOST_FETCHED) throw most();
@@ -85,7 +94,9 @@ export async function fetched(text, tell) {
     let bytes = 0;
     const reader = response.body.getReader();
     for (;;) {
-        const { done, value } = await reader.read().catch(() => { throw new Error("the connection ended early"); });
+        const { done, value } = await reader.read().catch(() => {
+            throw new Error("the connection ended early");
+        });
         if (done) break;
         parts.push(value);
         bytes += value.byteLength;

@@ -15,7 +15,10 @@ const pointers = new Map();
 
 /** Moves the camera. @param {(camera: Camera) => Camera} move */
 export function steer(move) {
-    const { camera, open: { camera: own } } = state;
+    const {
+        camera,
+        open: { camera: own },
+    } = state;
     if (!camera || !own) return;
     state.camera = limited(move(camera), own);
     moved();
@@ -59,11 +62,15 @@ canvas.addEventListener("pointermove", (event) => {
         steer((camera) => orbited(camera, -Math.PI * dx, Math.PI * dy));
     }
 });
-canvas.addEventListener("wheel", (event) => {
-    if (!state.camera) return;
-    event.preventDefault();
-    zoom(Math.exp(Math.max(-0.3, Math.min(0.3, event.deltaY * (event.deltaMode ? 0.04 : 0.0012)))));
-}, { passive: false });
+canvas.addEventListener(
+    "wheel",
+    (event) => {
+        if (!state.camera) return;
+        event.preventDefault();
+        zoom(Math.exp(Math.max(-0.3, Math.min(0.3, event.deltaY * (event.deltaMode ? 0.04 : 0.0012)))));
+    },
+    { passive: false },
+);
 
 /** @param {HTMLInputElement} slider @param {number} steps */
 function step(slider, steps) {
@@ -110,9 +117,17 @@ function reset() {
 
 /** @type {Record<string, () => void>} */
 const KEYS = {
-    ArrowLeft: () => turn(-0.08, 0), ArrowRight: () => turn(0.08, 0), ArrowUp: () => turn(0, 0.08), ArrowDown: () => turn(0, -0.08),
-    "+": () => zoom(0.9), "=": () => zoom(0.9), "-": () => zoom(1 / 0.9),
-    "[": () => step(element("e"), -2), "]": () => step(element("e"), 2), ",": () => step(element("d"), -1), ".": () => step(element("d"), 1),
+    ArrowLeft: () => turn(-0.08, 0),
+    ArrowRight: () => turn(0.08, 0),
+    ArrowUp: () => turn(0, 0.08),
+    ArrowDown: () => turn(0, -0.08),
+    "+": () => zoom(0.9),
+    "=": () => zoom(0.9),
+    "-": () => zoom(1 / 0.9),
+    "[": () => step(element("e"), -2),
+    "]": () => step(element("e"), 2),
+    ",": () => step(element("d"), -1),
+    ".": () => step(element("d"), 1),
     v: () => select(element("view"), element("view").selectedIndex + 1),
     m: () => select(element("method"), element("method").selectedIndex + 1),
     r: () => reset(),

@@ -35,7 +35,7 @@ export class Head {
         /** Angles to the right and upwards in radians, and the vertical field of view in degrees. */
         [this.right, this.up, this.fov] = [0, 0, FOV.begin];
         this.canvas = document.createElement("canvas");
-        /** @type {{ gl: WebGL2RenderingContext, most: number, place: (name: string) => WebGLUniformLocation | null } | null} */
+        /** @type {ReturnType<typeof opened>} */
         this.drawing = null;
         /** @type {ImageBitmap | null} */
         this.uploaded = null;
@@ -51,7 +51,10 @@ export class Head {
         [this.right, this.up, this.fov] = [0, up, FOV.begin];
     }
 
-    /** Turns to the right and upwards, in radians; within the picture if it shows half a turn. @param {number} right @param {number} up @param {360 | 180} span */
+    /**
+     * Turns to the right and upwards, in radians; within the picture if it shows half a turn.
+     * @param {number} right @param {number} up @param {360 | 180} span
+     */
     turn(right, up, span) {
         const most = span === 180 ? Math.PI / 2 : Infinity;
         this.right = Math.max(-most, Math.min(most, this.right + right));
@@ -65,7 +68,7 @@ export class Head {
 
     /** The tangent of the angle of a pixel in the middle of a picture of this height. @param {number} height */
     pixel(height) {
-        return 2 * Math.tan(this.fov * Math.PI / 360) / height;
+        return (2 * Math.tan((this.fov * Math.PI) / 360)) / height;
     }
 
     /**
@@ -92,7 +95,17 @@ export class Head {
         const [sin, cos] = [Math.sin(this.right), Math.cos(this.right)];
         const [rise, level] = [Math.sin(this.up), Math.cos(this.up)];
         // The columns are what the window's right, up and ahead are in the pair.
-        gl.uniformMatrix3fv(place("toPair"), false, [cos, 0, -sin, -rise * sin, level, -rise * cos, level * sin, rise, level * cos]);
+        gl.uniformMatrix3fv(place("toPair"), false, [
+            cos,
+            0,
+            -sin,
+            -rise * sin,
+            level,
+            -rise * cos,
+            level * sin,
+            rise,
+            level * cos,
+        ]);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
         return this.canvas;
     }
@@ -103,7 +116,10 @@ function opened(canvas) {
     const gl = canvas.getContext("webgl2", { alpha: false, antialias: false });
     if (!gl || gl.isContextLost()) return null;
     const program = gl.createProgram();
-    for (const [kind, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, VERTICES], [gl.FRAGMENT_SHADER, COLORS]])) {
+    for (const [kind, source] of /** @type {const} */ ([
+        [gl.VERTEX_SHADER, VERTICES],
+        [gl.FRAGMENT_SHADER, COLORS],
+    ])) {
         const shader = /** @type {WebGLShader} */ (gl.createShader(kind));
         gl.shaderSource(shader, source);
         gl.compileShader(shader);
@@ -113,7 +129,12 @@ function opened(canvas) {
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(`WebGL: ${gl.getProgramInfoLog(program)}`);
     gl.useProgram(program);
     gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-    for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR], [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) {
+    for (const [name, value] of [
+        [gl.TEXTURE_MIN_FILTER, gl.LINEAR],
+        [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
+        [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
+        [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
+    ]) {
         gl.texParameteri(gl.TEXTURE_2D, name, value);
     }
     const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);

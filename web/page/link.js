@@ -20,7 +20,9 @@ const DEGREES = 180 / Math.PI;
 function usual(id) {
     if (id === "light") return state.open.light;
     const field = element(id);
-    return field.defaultValue ?? ([...field.options].find((option) => option.defaultSelected) ?? field.options[0]).value;
+    return (
+        field.defaultValue ?? ([...field.options].find((option) => option.defaultSelected) ?? field.options[0]).value
+    );
 }
 
 /** Sets a field, and returns what is wrong with its value. @param {string} id @param {string} text */
@@ -47,7 +49,9 @@ function set(id, text) {
 /** Reads a list of numbers, or returns null. @param {string} text @param {number} count */
 function numbers(text, count) {
     const found = text.split(",").map((part) => (part.trim() === "" ? NaN : Number(part)));
-    return found.length === count && found.every((value) => Number.isFinite(value) && Math.abs(value) < 1e9) ? found : null;
+    return found.length === count && found.every((value) => Number.isFinite(value) && Math.abs(value) < 1e9)
+        ? found
+        : null;
 }
 
 /**
@@ -85,7 +89,9 @@ function placed(text) {
     }
     // All lengths scale with the distance.
     const factor = distance({ eye, target }) / distance(own);
-    const [interaxial, screenDistance] = [own.interaxial ?? 1, own.screenDistance ?? 1].map((length) => length * factor);
+    const [interaxial, screenDistance] = [own.interaxial ?? 1, own.screenDistance ?? 1].map(
+        (length) => length * factor,
+    );
     state.camera = limited({ ...own, eye, target, interaxial, screenDistance }, own);
     return "";
 }
@@ -95,7 +101,8 @@ function turned(text) {
     const span = around();
     if (text === null || !span) return "";
     const found = numbers(text, 3);
-    if (!found) return `head=${text}: it must be three numbers: degrees to the right, upwards, and of the field of view.`;
+    if (!found)
+        return `head=${text}: it must be three numbers: degrees to the right, upwards, and of the field of view.`;
     const [right, up, fov] = found;
     head.reset(0);
     head.turn(right / DEGREES, up / DEGREES, span);
@@ -119,7 +126,14 @@ export function values() {
     if (!linked() || !camera || !own) return found;
     const place = ({ eye, target }) => [...eye, ...target].map((value) => Number(value.toPrecision(6))).join(",");
     if (place(camera) !== place(own)) found.set("camera", place(camera));
-    if (around()) found.set("head", [head.right, head.up].map((angle) => (angle * DEGREES).toFixed(1)).concat(head.fov.toFixed(1)).join(","));
+    if (around())
+        found.set(
+            "head",
+            [head.right, head.up]
+                .map((angle) => (angle * DEGREES).toFixed(1))
+                .concat(head.fov.toFixed(1))
+                .join(","),
+        );
     return found;
 }
 

@@ -67,18 +67,21 @@ function describe(info, warnings) {
     const counted = (count, one, many) => (count === 1 ? `1 ${one}` : `${count.toLocaleString("en")} ${many}`);
     const others = info.primitives - info.triangles;
     const parts = [
-        source.builtin ? "" : name, counted(info.triangles, "triangle", "triangles"),
+        source.builtin ? "" : name,
+        counted(info.triangles, "triangle", "triangles"),
         others ? counted(others, "other shape", "other shapes") : "",
     ];
     element("about").textContent = parts.filter(Boolean).join(", ");
     element("warnings").hidden = !warnings.length;
     const left = counted(warnings.length, "part of the file is", "parts of the file are");
     element("warnings").firstElementChild.textContent = `${left} not shown as specified`;
-    element("warnings").lastElementChild.replaceChildren(...warnings.map((text) => {
-        const item = document.createElement("li");
-        item.textContent = text;
-        return item;
-    }));
+    element("warnings").lastElementChild.replaceChildren(
+        ...warnings.map((text) => {
+            const item = document.createElement("li");
+            item.textContent = text;
+            return item;
+        }),
+    );
 }
 
 /** @param {{ path: string, file: File }[]} files */
@@ -99,12 +102,14 @@ export async function openLinked(values) {
     const model = values.get("model");
     const scenes = [...element("scene").options].map((option) => option.value);
     const scene = values.get("scene") ?? FIRST_SCENE;
-    let fault = scenes.includes(scene) ? "" : `scene=${scene}: there is no such scene. The scenes are ${scenes.join(", ")}.`;
+    let fault = scenes.includes(scene)
+        ? ""
+        : `scene=${scene}: there is no such scene. The scenes are ${scenes.join(", ")}.`;
     if (model) {
         try {
             say("fetching the model…");
             const file = await fetched(model, (share) => say(`fetching the model… ${Math.round(100 * share)}%`));
-            return await openScene({ ...await sourceOf([{ path: file.name, file }]), address: model }, values);
+            return await openScene({ ...(await sourceOf([{ path: file.name, file }])), address: model }, values);
         } catch (error) {
             fault = `model=${model}: ${error.message}`;
         } finally {
@@ -135,6 +140,9 @@ export async function failed(error) {
     // The state of the engine's memory is unknown after such an error.
     replaced();
     await openScene({ builtin: element("scene").options[0].value });
-    notice(`The engine stopped (${error.message}): it ran out of memory or has a defect. `
-        + "It was restarted with another scene.", { lasts: true });
+    notice(
+        `The engine stopped (${error.message}): it ran out of memory or has a defect. ` +
+            "It was restarted with another scene.",
+        { lasts: true },
+    );
 }

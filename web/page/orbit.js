@@ -61,7 +61,12 @@ export function limited(camera, own) {
  */
 export function nearer(camera, factor) {
     const { eye, target, screenDistance = 1, interaxial = 1 } = camera;
-    return { ...camera, eye: along(target, sub(eye, target), factor), screenDistance: screenDistance * factor, interaxial: interaxial * factor };
+    return {
+        ...camera,
+        eye: along(target, sub(eye, target), factor),
+        screenDistance: screenDistance * factor,
+        interaxial: interaxial * factor,
+    };
 }
 
 /**
@@ -70,7 +75,7 @@ export function nearer(camera, factor) {
  */
 export function panned(camera, right, down) {
     const arm = sub(camera.target, camera.eye);
-    const height = 2 * Math.hypot(...arm) * Math.tan((camera.fov ?? 45) * Math.PI / 360);
+    const height = 2 * Math.hypot(...arm) * Math.tan(((camera.fov ?? 45) * Math.PI) / 360);
     const r = unit(cross(arm, camera.up ?? [0, 1, 0]));
     const u = unit(cross(r, arm));
     const way = along(along([0, 0, 0], r, -right * height), u, down * height);

@@ -16,7 +16,11 @@ export const head = new Head();
 let images = /** @type {ImageBitmap[]} */ ([]);
 let traced = /** @type {ImageBitmap | null} */ (null);
 /** How the images show their views: their view, their projection, and how many are side by side. */
-let shownAs = { view: /** @type {import("./settings.js").View} */ ("left"), around: /** @type {360 | 180 | null} */ (null), views: 1 };
+let shownAs = {
+    view: /** @type {import("./settings.js").View} */ ("left"),
+    around: /** @type {360 | 180 | null} */ (null),
+    views: 1,
+};
 let swing = 0;
 /** Whether nothing moves by itself. Who prefers reduced motion starts the motion. */
 let still = matchMedia("(prefers-reduced-motion: reduce)").matches;

@@ -68,7 +68,10 @@ async function work() {
     }
 }
 
-/** Waits until nothing is rendered. @param {number} most milliseconds @returns {Promise<boolean>} whether it came to that */
+/**
+ * Waits until nothing is rendered.
+ * @param {number} most milliseconds @returns {Promise<boolean>} whether it came to that
+ */
 async function idle(most) {
     const end = performance.now() + most;
     while (running && performance.now() < end) await new Promise((done) => setTimeout(done, 20));
@@ -113,7 +116,11 @@ async function refine() {
     const { view, glasses } = settings();
     const done = await engine().ask("refine", { view, glasses, marks: marks(), first: PATHS.first });
     put(done, view, shownAround());
-    figures({ ...done, deviceMs: undefined, statistics: { ...done.statistics, passes: undefined } }, seen().size ?? [], 1);
+    figures(
+        { ...done, deviceMs: undefined, statistics: { ...done.statistics, passes: undefined } },
+        seen().size ?? [],
+        1,
+    );
     refining &&= done.paths < PATHS.last;
 }
 
@@ -127,7 +134,11 @@ async function render(draft) {
     const byPaths = element("light").value === "paths";
     const history = draft && width * height * scale ** 2 >= RECALLED.pixels ? RECALLED.history : null;
     const request = {
-        camera: seen(scale), lights, glasses, view, marks: marks(),
+        camera: seen(scale),
+        lights,
+        glasses,
+        view,
+        marks: marks(),
         options: { ...options, history, ...(draft && scale < 1 ? { samples: 1, ...light(PATHS.draft) } : {}) },
         paths: byPaths && !draft,
         compare: view === "difference" && !draft,
@@ -149,7 +160,8 @@ async function render(draft) {
             told(done);
         }
         // A picture that is already outdated is not the one that was asked for.
-        if (!opening() && (wish === null || wish === "show")) document.documentElement.dataset.state = draft ? "draft" : "whole";
+        if (!opening() && (wish === null || wish === "show"))
+            document.documentElement.dataset.state = draft ? "draft" : "whole";
     } finally {
         clearTimeout(busy);
         say("");

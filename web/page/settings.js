@@ -22,11 +22,13 @@ export const VIEWS = /** @type {const} */ ({
 const LEGENDS = {
     "side-by-side": "Look through the screen, with each eye at its own picture.",
     "cross-eyed": "Cross your eyes until the two pictures merge into one.",
-    retrace: "The map shows the source of each right pixel. Green pixels were reused from the left view, or found "
-        + "within the left view's depth bound. Red and yellow pixels were traced because reuse failed. Grey pixels were "
-        + "traced without reuse.",
-    shadows: "The map shows the source of the right view's shadows with bracket. Green pixels reused visibility bits of "
-        + "the left view. Red pixels traced shadow rays.",
+    retrace:
+        "The map shows the source of each right pixel. Green pixels were reused from the left view, or found " +
+        "within the left view's depth bound. Red and yellow pixels were traced because reuse failed. Grey pixels " +
+        "were traced without reuse.",
+    shadows:
+        "The map shows the source of the right view's shadows with bracket. Green pixels reused visibility bits of " +
+        "the left view. Red pixels traced shadow rays.",
     difference: "The right view is compared with naive. Equal pixels are dark, and different pixels are yellow to red.",
 };
 /** Views that show right pixels as they are, so that those that were traced again can be marked. */
@@ -49,7 +51,7 @@ export const settings = () => ({
 
 /** Returns the options of the chosen light. @param {number} paths */
 export const light = (paths) =>
-    (element("light").value === "paths" ? { lighting: `paths=${paths}:${PATHS.bounces}`, denoise: true } : {});
+    element("light").value === "paths" ? { lighting: `paths=${paths}:${PATHS.bounces}`, denoise: true } : {};
 
 /** Returns whether pixels that were traced again are marked in the chosen view. */
 export const marks = () => MARKED.includes(view()) && !around();
@@ -69,9 +71,12 @@ export function size() {
     return [width, height].map((side) => Math.max(16, Math.round(side * scale)));
 }
 
-/** The chosen equirectangular projection: 360 or 180 degrees, or null for planar pictures. @returns {360 | 180 | null} */
+/**
+ * The chosen equirectangular projection: 360 or 180 degrees, or null for planar pictures.
+ * @returns {360 | 180 | null}
+ */
 export const around = () =>
-    (element("projection").value === "planar" ? null : /** @type {360 | 180} */ (Number(element("projection").value)));
+    element("projection").value === "planar" ? null : /** @type {360 | 180} */ (Number(element("projection").value));
 
 /** Width and height of a whole view as it is rendered. */
 export function renderedSize() {
@@ -79,7 +84,7 @@ export function renderedSize() {
     if (!span) return size();
     const automatic = state.adapter.software ? AROUND_HEIGHT.software : AROUND_HEIGHT.hardware;
     const height = element("size").value === "auto" ? automatic : size()[1];
-    return [height * span / 180, height];
+    return [(height * span) / 180, height];
 }
 
 /** Returns the camera with the sliders' values. @param {number} scale @returns {Camera} */
@@ -90,7 +95,15 @@ export function seen(scale = 1) {
     const [width, height] = renderedSize().map((side) => Math.max(16, Math.round(side * scale)));
     const span = around();
     const interaxial = (camera.interaxial ?? 0) * e;
-    if (span) return { eye: camera.eye, target: camera.target, up: camera.up, size: [width, height], interaxial, projection: span };
+    if (span)
+        return {
+            eye: camera.eye,
+            target: camera.target,
+            up: camera.up,
+            size: [width, height],
+            interaxial,
+            projection: span,
+        };
     return { ...camera, size: [width, height], interaxial, screenDistance: (camera.screenDistance ?? 1) * d };
 }
 
@@ -98,9 +111,12 @@ export function seen(scale = 1) {
 export function label() {
     if (!state.camera) return;
     const { interaxial = 0, screenDistance = 1, size: [width, height] = [1, 1], fov = 45 } = seen();
-    const across = 2 * screenDistance * Math.tan(fov * Math.PI / 360) * width / height;
-    const { options: { samples }, lights } = settings();
-    value("e", around() ? short(interaxial) : `${short(interaxial)}, ${short(interaxial * width / across)} px`);
+    const across = (2 * screenDistance * Math.tan((fov * Math.PI) / 360) * width) / height;
+    const {
+        options: { samples },
+        lights,
+    } = settings();
+    value("e", around() ? short(interaxial) : `${short(interaxial)}, ${short((interaxial * width) / across)} px`);
     value("d", short(screenDistance));
     value("samples", String(samples));
     value("lights", lights ? String(lights) : "from the scene");

@@ -29,7 +29,7 @@ export function tiltable() {
     button.addEventListener("click", async () => {
         const on = button.getAttribute("aria-pressed") !== "true";
         // Safari asks its user.
-        if (on && await events.requestPermission?.().catch(() => "denied") === "denied") return;
+        if (on && (await events.requestPermission?.().catch(() => "denied")) === "denied") return;
         button.setAttribute("aria-pressed", String(on));
         last = null;
         if (on) addEventListener("deviceorientation", tilted);

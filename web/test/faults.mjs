@@ -28,14 +28,25 @@ await test("a notice goes away once a picture succeeds", async () => {
 
 await test("Stop ends even a compilation, and so does another scene", async () => {
     // An engine that never answers is what a driver's compilation of a kernel looks like.
-    const hang = (page) => page.route("**/engine.js", async (route) => {
-        const response = await route.fetch();
-        const text = await response.text();
-        const broken = text.replace("async render({", "async render(request) { if (request.options.method === 'ideal' && open.source.builtin === 'three-spheres') await new Promise(() => {}); return this.rendered(...arguments); },\n    async rendered({");
-        assert.notEqual(text, broken);
-        await route.fulfill({ response, body: broken });
+    const hang = (page) =>
+        page.route("**/engine.js", async (route) => {
+            const response = await route.fetch();
+            const text = await response.text();
+            const broken = text.replace(
+                "async render({",
+                `async render(request) {
+                    const hangs = request.options.method === "ideal" && open.source.builtin === "three-spheres";
+                    if (hangs) await new Promise(() => {});
+                    return this.rendered(...arguments);
+                },
+                async rendered({`,
+            );
+            assert.notEqual(text, broken);
+            await route.fulfill({ response, body: broken });
+        });
+    const { page, context, faults } = await opened("?scene=three-spheres&size=96x72&method=naive&view=left", {
+        prepare: hang,
     });
-    const { page, context, faults } = await opened("?scene=three-spheres&size=96x72&method=naive&view=left", { prepare: hang });
     await whole(page);
     const before = JSON.stringify(await pixels(page));
     await page.selectOption("#method", "ideal");
@@ -47,7 +58,9 @@ await test("Stop ends even a compilation, and so does another scene", async () =
     assert.ok(await page.locator("#busy").isHidden());
     // A view needs a picture of the new engine.
     await page.selectOption("#method", "naive");
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     await choose(page, "view", "right");
     await whole(page);
     await choose(page, "view", "left");
@@ -79,7 +92,10 @@ async function nothing(query, options, expected) {
 }
 
 await test("without WebGPU, and over http, the page says so, and again to dropped models", async () => {
-    const hide = (page) => page.addInitScript(() => { delete Navigator.prototype.gpu; });
+    const hide = (page) =>
+        page.addInitScript(() => {
+            delete Navigator.prototype.gpu;
+        });
     await nothing("", { prepare: hide }, /no WebGPU/);
     await nothing("", { at: address.replace("127.0.0.1", "insecure.test") }, /only over https and on localhost/);
     const lacking = (page) => page.route("**/engine.js", (route) => route.fulfill({ status: 404, body: "" }));

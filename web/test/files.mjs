@@ -10,10 +10,15 @@ import { choose, drop, figures, opened, pixels, scenes, test, whole } from "./to
 function triangle() {
     const positions = Buffer.from(new Float32Array([-1, -1, 0, 1, -1, 0, 0, 1, 0]).buffer);
     const text = JSON.stringify({
-        asset: { version: "2.0" }, buffers: [{ byteLength: positions.length }], bufferViews: [{ buffer: 0, byteLength: positions.length }],
+        asset: { version: "2.0" },
+        buffers: [{ byteLength: positions.length }],
+        bufferViews: [{ buffer: 0, byteLength: positions.length }],
         accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: "VEC3", min: [-1, -1, 0], max: [1, 1, 0] }],
-        meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }], cameras: [{ type: "perspective", perspective: { yfov: 0.8, znear: 0.1 } }],
-        nodes: [{ mesh: 0 }, { camera: 0, translation: [0, 0, 4] }], scenes: [{ nodes: [0, 1] }], scene: 0,
+        meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+        cameras: [{ type: "perspective", perspective: { yfov: 0.8, znear: 0.1 } }],
+        nodes: [{ mesh: 0 }, { camera: 0, translation: [0, 0, 4] }],
+        scenes: [{ nodes: [0, 1] }],
+        scene: 0,
     });
     const json = Buffer.from(text.padEnd(Math.ceil(text.length / 4) * 4));
     const chunk = (kind, bytes) => Buffer.concat([Buffer.from(new Uint32Array([bytes.length, kind]).buffer), bytes]);
@@ -26,7 +31,12 @@ await test("a .glb is shown by its own camera, and again after the engine stoppe
         await page.route("**/engine.js", async (route) => {
             const response = await route.fetch();
             const text = await response.text();
-            const broken = text.replace("async show(request) {", "async show(request) { setTimeout(() => { throw new WebAssembly.RuntimeError('unreachable'); }); await new Promise(() => {});");
+            const broken = text.replace(
+                "async show(request) {",
+                `async show(request) {
+                    setTimeout(() => { throw new WebAssembly.RuntimeError("unreachable"); });
+                    await new Promise(() => {});`,
+            );
             assert.notEqual(text, broken);
             await route.fulfill({ response, body: broken });
         });
@@ -39,7 +49,11 @@ await test("a .glb is shown by its own camera, and again after the engine stoppe
     assert.equal(await page.locator("#about").innerText(), "triangle, 1 triangle");
     const before = await pixels(page);
     const middle = 4 * (96 * 36 + 48);
-    assert.notDeepEqual(before.data.slice(middle, middle + 3), before.data.slice(0, 3), "the triangle stands before the sky");
+    assert.notDeepEqual(
+        before.data.slice(middle, middle + 3),
+        before.data.slice(0, 3),
+        "the triangle stands before the sky",
+    );
     await page.selectOption("#view", "right");
     await page.waitForFunction(() => /engine stopped/.test(document.querySelector("#message p").textContent));
     await whole(page);
@@ -70,7 +84,9 @@ await test("broken files are said on the page, and what was open stays", async (
     for (const method of ["naive", "auto"]) await choose(page, "method", method);
     assert.equal(JSON.stringify(await pixels(page)), before, "what was open stays");
     await drop(page, [file("lonely.obj", "mtllib lonely.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n")]);
-    await page.waitForFunction(() => !document.querySelector("#message").hidden || document.documentElement.dataset.state === "whole");
+    await page.waitForFunction(
+        () => !document.querySelector("#message").hidden || document.documentElement.dataset.state === "whole",
+    );
     figures.lonely = [await page.locator("#message p").innerText(), await page.locator("#warnings").textContent()];
     assert.match(figures.lonely.join(" "), /lonely\.mtl/);
     assert.deepEqual(faults, []);
@@ -86,7 +102,9 @@ await test("scenes that are asked for one upon the other: the last one is shown"
         await page.waitForTimeout(30);
     }
     await page.waitForFunction(() => document.querySelector("#about").textContent === "0 triangles, 4 other shapes");
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     await choose(page, "method", "naive");
     await choose(page, "method", "auto");
     assert.ok(JSON.stringify(await pixels(page)) === before, "another picture");
@@ -137,21 +155,70 @@ function zip(name, entries, { cut = 0 } = {}) {
     return { name, bytes: [...all.subarray(0, all.length - cut)] };
 }
 
+/** Counts the bytes that the page decompresses. */
+const counted = (page) =>
+    page.addInitScript(() => {
+        const { readable } = Object.getOwnPropertyDescriptors(DecompressionStream.prototype);
+        globalThis.inflated = 0;
+        Object.defineProperty(DecompressionStream.prototype, "readable", {
+            get() {
+                const transform = (chunk, controller) => {
+                    globalThis.inflated += chunk.byteLength;
+                    controller.enqueue(chunk);
+                };
+                return readable.get.call(this).pipeThrough(new TransformStream({ transform }));
+            },
+        });
+    });
+
 await test("an archive is opened, and bombs and damaged ones are refused", async () => {
-    const { page, context, faults } = await opened("?scene=three-spheres&size=96x72&method=naive&view=left");
+    const query = "?scene=three-spheres&size=96x72&method=naive&view=left";
+    const { page, context, faults } = await opened(query, { prepare: counted });
     await whole(page);
-    const [obj, mtl] = await Promise.all(["still_life.obj", "still_life.mtl"].map((name) => readFile(path.join(scenes, name))));
-    const plain = await about(page, ["still_life.obj", "still_life.mtl"].map((name) => path.join(scenes, name)));
+    const [obj, mtl] = await Promise.all(
+        ["still_life.obj", "still_life.mtl"].map((name) => readFile(path.join(scenes, name))),
+    );
+    const plain = await about(
+        page,
+        ["still_life.obj", "still_life.mtl"].map((name) => path.join(scenes, name)),
+    );
     const before = JSON.stringify(await pixels(page));
-    const entries = [{ name: "a/", data: Buffer.alloc(0), stored: true }, { name: "a/still_life.obj", data: obj }, { name: "a/still_life.mtl", data: mtl, stored: true }, { name: "__MACOSX/a/._still_life.obj", data: Buffer.from("no scene") }];
+    const entries = [
+        { name: "a/", data: Buffer.alloc(0), stored: true },
+        { name: "a/still_life.obj", data: obj },
+        { name: "a/still_life.mtl", data: mtl, stored: true },
+        { name: "__MACOSX/a/._still_life.obj", data: Buffer.from("no scene") },
+    ];
     assert.equal(await about(page, [zip("all.zip", entries)]), plain);
     assert.equal(JSON.stringify(await pixels(page)), before);
     const zeros = Buffer.alloc(64 << 20);
-    assert.match(await refused(page, [zip("bomb.zip", [{ name: "a.obj", data: zeros, size: 1000 }])]), /bomb\.zip: a\.obj is damaged/);
-    assert.match(await refused(page, [zip("large.zip", [{ name: "a.obj", data: obj, size: 0x7fffffff }])]), /large\.zip: its files have more than 1024 MiB/);
-    assert.match(await refused(page, [zip("secret.zip", [{ name: "a.obj", data: obj, flags: 1 }])]), /a\.obj is encrypted; unpack it/);
-    assert.match(await refused(page, [zip("cut.zip", entries, { cut: 30 })]), /cut\.zip: it is no \.zip file, or it is cut off/);
-    assert.match(await refused(page, [zip("two.zip", [{ name: "a.obj", data: obj }, { name: "b.obj", data: obj }])]), /one model at a time/);
+    assert.match(
+        await refused(page, [zip("bomb.zip", [{ name: "a.obj", data: zeros, size: 1000 }])]),
+        /bomb\.zip: a\.obj is damaged/,
+    );
+    const inflated = await page.evaluate(() => globalThis.inflated);
+    assert.ok(inflated > 1000 && inflated < 4 << 20, `${inflated} bytes of the bomb were decompressed`);
+    assert.match(
+        await refused(page, [zip("large.zip", [{ name: "a.obj", data: obj, size: 0x7fffffff }])]),
+        /large\.zip: its files have more than 1024 MiB/,
+    );
+    assert.match(
+        await refused(page, [zip("secret.zip", [{ name: "a.obj", data: obj, flags: 1 }])]),
+        /a\.obj is encrypted; unpack it/,
+    );
+    assert.match(
+        await refused(page, [zip("cut.zip", entries, { cut: 30 })]),
+        /cut\.zip: it is no \.zip file, or it is cut off/,
+    );
+    assert.match(
+        await refused(page, [
+            zip("two.zip", [
+                { name: "a.obj", data: obj },
+                { name: "b.obj", data: obj },
+            ]),
+        ]),
+        /one model at a time/,
+    );
     assert.match(await refused(page, [zip("none.zip", [{ name: "a.txt", data: obj }])]), /a\.txt: no \.obj/);
     assert.deepEqual(faults, []);
     await context.close();
@@ -160,15 +227,21 @@ await test("an archive is opened, and bombs and damaged ones are refused", async
 await test("STL files are opened, binary and as text", async () => {
     const { page, context, faults } = await opened("?scene=three-spheres&size=96x72&method=naive&view=left");
     await whole(page);
-    const corners = [[-1, 0, -1], [1, 0, -1], [0, 0, 1]];
+    const corners = [
+        [-1, 0, -1],
+        [1, 0, -1],
+        [0, 0, 1],
+    ];
     const binary = Buffer.alloc(84 + 50);
     binary.writeUInt32LE(1, 80);
     corners.flat().forEach((value, index) => binary.writeFloatLE(value, 84 + 12 + 4 * index));
-    const text = `solid part\nfacet normal 0 -1 0\nouter loop\n${corners.map((corner) => `vertex ${corner.join(" ")}\n`).join("")}endloop\nendfacet\nendsolid\n`;
+    const loop = corners.map((corner) => `vertex ${corner.join(" ")}\n`).join("");
+    const text = `solid part\nfacet normal 0 -1 0\nouter loop\n${loop}endloop\nendfacet\nendsolid\n`;
     assert.equal(await about(page, [{ name: "part.stl", bytes: [...binary] }]), "part, 1 triangle");
     const first = await pixels(page);
     // The triangle stands upright: the sky is beside its upper corner, and the triangle beside its lower ones.
-    const row = (y) => [...Array(96).keys()].filter((x) => first.data[4 * (96 * y + x)] !== first.data[4 * 96 * y]).length;
+    const row = (y) =>
+        [...Array(96).keys()].filter((x) => first.data[4 * (96 * y + x)] !== first.data[4 * 96 * y]).length;
     assert.ok(row(20) < row(50) && row(50) > 10, `${row(20)}, ${row(50)}`);
     assert.equal(await about(page, [{ name: "PART.STL", bytes: [...Buffer.from(text)] }]), "PART, 1 triangle");
     assert.deepEqual((await pixels(page)).data, first.data);
@@ -189,23 +262,33 @@ await test("a link opens a model from an address, and says why it can't", async 
         if (kind !== "endless") return response.writeHead(200, headers).end(kind === "large" ? undefined : glb);
         // Without a length, only the bytes say how large it is.
         response.writeHead(200, headers);
-        const more = () => { while (!response.destroyed && response.write(Buffer.alloc(1 << 20))); };
+        const more = () => {
+            while (!response.destroyed && response.write(Buffer.alloc(1 << 20)));
+        };
         response.on("drain", more);
         return more();
     });
     await new Promise((done) => server.listen(0, "127.0.0.1", done));
     const other = `http://127.0.0.1:${server.address().port}`;
-    const { page, context, faults } = await opened(`?size=96x72&method=naive&view=left&model=${other}/open/triangle.glb`);
+    const { page, context, faults } = await opened(
+        `?size=96x72&method=naive&view=left&model=${other}/open/triangle.glb`,
+    );
     await whole(page);
     assert.equal(await page.locator("#about").innerText(), "triangle, 1 triangle");
     await page.waitForTimeout(600);
     assert.equal(new URL(page.url()).searchParams.get("model"), `${other}/open/triangle.glb`);
     await context.close();
     const tries = [
-        ["closed/triangle.glb", /does not let other pages read the file \(CORS\)/], ["none/triangle.glb", /the server answered 404/],
-        ["large/triangle.glb", /more than 256 MiB/], ["endless/triangle.glb", /more than 256 MiB/], ["open/triangle.txt", /must end in \.obj/],
+        ["closed/triangle.glb", /does not let other pages read the file \(CORS\)/],
+        ["none/triangle.glb", /the server answered 404/],
+        ["large/triangle.glb", /more than 256 MiB/],
+        ["endless/triangle.glb", /more than 256 MiB/],
+        ["open/triangle.txt", /must end in \.obj/],
     ];
-    for (const [file, expected] of [...tries.map(([file, expected]) => [`${other}/${file}`, expected]), ["file:///etc/a.glb", /no http or https address/]]) {
+    for (const [file, expected] of [
+        ...tries.map(([file, expected]) => [`${other}/${file}`, expected]),
+        ["file:///etc/a.glb", /no http or https address/],
+    ]) {
         const { page, context } = await opened(`?size=96x72&method=naive&model=${file}`);
         await page.waitForFunction(() => !document.querySelector("#message").hidden);
         const text = await page.locator("#message p").innerText();

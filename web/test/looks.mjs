@@ -15,12 +15,23 @@ function columns({ width, height, data }, from, to) {
 
 await test("a picture and what the page is are there before WebGPU is", async () => {
     let go;
-    const held = new Promise((done) => { go = done; });
-    const hold = (page) => page.route("**/engine.js", async (route) => { await held; await route.continue(); });
+    const held = new Promise((done) => {
+        go = done;
+    });
+    const hold = (page) =>
+        page.route("**/engine.js", async (route) => {
+            await held;
+            await route.continue();
+        });
     const { page, context, faults } = await opened("?size=96x72&scene=three-spheres", { ...PHONE, prepare: hold });
     const poster = page.locator("#poster");
     await poster.waitFor();
-    assert.ok(await poster.evaluate(async (image) => { await image.decode(); return image.naturalWidth; }) > 600);
+    assert.ok(
+        (await poster.evaluate(async (image) => {
+            await image.decode();
+            return image.naturalWidth;
+        })) > 600,
+    );
     for (const part of ["h1", "header p", "#poster"]) {
         const { y, height } = await page.locator(part).boundingBox();
         assert.ok(y + height < 844, `${part} is not on a phone's first screen`);
@@ -51,7 +62,10 @@ await test("a sentence has the figures of the last picture, and the choice of au
     const { page, context } = await opened("?scene=hall&size=192x144&method=bracket");
     await whole(page);
     const sentence = () => page.locator("#sentence").innerText();
-    const [, left, right, share] = /^Left eye ([\d.]+) ms, right eye ([\d.]+) ms: ([\d.]+)% of its pixels were traced again\.$/.exec(await sentence()) ?? [];
+    const [, left, right, share] =
+        /^Left eye ([\d.]+) ms, right eye ([\d.]+) ms: ([\d.]+)% of its pixels were traced again\.$/.exec(
+            await sentence(),
+        ) ?? [];
     assert.ok(left > 0 && right > 0 && share > 0 && share < 50, await sentence());
     assert.ok(await page.locator("#choice").isHidden());
     await choose(page, "method", "naive");
@@ -97,7 +111,9 @@ await test("a divider shows the left eye beside the right eye, and marks what wa
     assert.equal(await page.locator("#divider").getAttribute("aria-valuetext"), "left eye in 100% of the width");
     // Beside the line, a drag moves the camera.
     await page.keyboard.press("Home");
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     await page.mouse.move(x + width / 2, y + height / 3);
     await page.mouse.down();
     await page.mouse.move(x + width / 4, y + height / 2, { steps: 4 });
@@ -114,15 +130,16 @@ await test("a divider shows the left eye beside the right eye, and marks what wa
 });
 
 /** Returns how many different pictures are seen in a second. */
-const swings = (page) => page.evaluate(async () => {
-    const canvas = document.querySelector("#picture");
-    const found = new Set();
-    for (let time = 0; time < 25; time += 1) {
-        found.add(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.join());
-        await new Promise((done) => setTimeout(done, 41));
-    }
-    return found.size;
-});
+const swings = (page) =>
+    page.evaluate(async () => {
+        const canvas = document.querySelector("#picture");
+        const found = new Set();
+        for (let time = 0; time < 25; time += 1) {
+            found.add(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.join());
+            await new Promise((done) => setTimeout(done, 41));
+        }
+        return found.size;
+    });
 
 await test("motion can be paused, and waits for those who prefer less of it", async () => {
     const { page, context } = await opened("?scene=three-spheres&size=96x72&method=bracket&view=wiggle");
@@ -136,11 +153,16 @@ await test("motion can be paused, and waits for those who prefer less of it", as
     await choose(page, "view", "left");
     assert.ok(await page.locator("#pause").isHidden(), "nothing moves");
     await context.close();
-    const less = await opened("?scene=three-spheres&size=96x72&method=bracket&view=wiggle", { reducedMotion: "reduce" });
+    const less = await opened("?scene=three-spheres&size=96x72&method=bracket&view=wiggle", {
+        reducedMotion: "reduce",
+    });
     await whole(less.page);
     assert.equal(await swings(less.page), 1);
     await choose(less.page, "view", "slider");
-    assert.equal(await less.page.locator("#traced").evaluate((canvas) => getComputedStyle(canvas).animationName), "none");
+    assert.equal(
+        await less.page.locator("#traced").evaluate((canvas) => getComputedStyle(canvas).animationName),
+        "none",
+    );
     await choose(less.page, "view", "wiggle");
     await less.page.click("#pause");
     assert.equal(await swings(less.page), 2, "the reader has started it");
@@ -150,7 +172,12 @@ await test("motion can be paused, and waits for those who prefer less of it", as
 await test("fields have names and values for screen readers, and the page is walked by keys", async () => {
     const { page, context } = await opened("?scene=three-spheres&size=96x72&method=bracket");
     await whole(page);
-    for (const [name, id] of [["Interaxial e", "e"], ["Screen distance d", "d"], ["Samples per pixel", "samples"], ["Lights", "lights"]]) {
+    for (const [name, id] of [
+        ["Interaxial e", "e"],
+        ["Screen distance d", "d"],
+        ["Samples per pixel", "samples"],
+        ["Lights", "lights"],
+    ]) {
         const slider = page.getByRole("slider", { name, exact: true });
         assert.equal(await slider.getAttribute("id"), id);
         await page.locator(`label[for=${id}]`).click();
@@ -179,14 +206,31 @@ await test("fields have names and values for screen readers, and the page is wal
         const found = await page.evaluate(() => {
             const { activeElement: active } = document;
             const seen = active?.matches("#files") ? active.closest("label") : active;
-            return active === document.body ? null : { id: active?.id || active?.textContent, outline: seen && getComputedStyle(seen).outlineStyle };
+            return active === document.body
+                ? null
+                : { id: active?.id || active?.textContent, outline: seen && getComputedStyle(seen).outlineStyle };
         });
         if (!found) break;
         assert.notEqual(found.outline, "none", `${found.id} shows no focus`);
         reached.push(found.id);
     }
     figures.reached = reached;
-    const controls = ["picture", "divider", "view", "marked", "pause", "full", "share", "files", "scene", "e", "d", "method", "save", "Documentation"];
+    const controls = [
+        "picture",
+        "divider",
+        "view",
+        "marked",
+        "pause",
+        "full",
+        "share",
+        "files",
+        "scene",
+        "e",
+        "d",
+        "method",
+        "save",
+        "Documentation",
+    ];
     for (const id of controls) assert.ok(reached.includes(id), `${id} was not reached: ${reached}`);
     await context.close();
 });
@@ -194,7 +238,9 @@ await test("fields have names and values for screen readers, and the page is wal
 await test("full screen shows both eyes side by side, and a tilted phone looks around", async () => {
     const { page, context, faults } = await opened("?scene=three-spheres&method=naive&view=side-by-side", PHONE);
     await whole(page);
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     await page.click("#full");
     await whole(page);
     assert.equal(await page.evaluate(() => document.fullscreenElement?.id), "frame");
@@ -208,11 +254,17 @@ await test("full screen shows both eyes side by side, and a tilted phone looks a
     });
     await whole(page);
     const before = JSON.stringify(await pixels(page));
-    const tilt = (gamma) => page.evaluate((gamma) => dispatchEvent(new DeviceOrientationEvent("deviceorientation", { beta: 10, gamma })), gamma);
+    const tilt = (gamma) =>
+        page.evaluate(
+            (gamma) => dispatchEvent(new DeviceOrientationEvent("deviceorientation", { beta: 10, gamma })),
+            gamma,
+        );
     await tilt(20);
     await page.waitForTimeout(300);
     assert.ok(JSON.stringify(await pixels(page)) === before, "nobody asked for it");
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     await page.click("#tilt");
     for (const gamma of [0, 5, 12]) await tilt(gamma);
     await whole(page);
@@ -226,21 +278,35 @@ await test("axe finds no fault, in light and dark, wide and narrow", async () =>
         const { page, context } = await opened("?scene=three-spheres&size=96x72&method=bracket", options);
         await whole(page);
         await page.addScriptTag({ path: path.join(axe, "axe.min.js") });
-        const violations = await page.evaluate(async () => (await globalThis.axe.run()).violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]));
+        const violations = await page.evaluate(async () =>
+            (await globalThis.axe.run()).violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]),
+        );
         assert.deepEqual(violations, []);
         await context.close();
     }
 });
 
 await test("screenshots", async () => {
-    for (const [width, height] of [[1280, 860], [800, 1100], [390, 844]]) {
+    for (const [width, height] of [
+        [1280, 860],
+        [800, 1100],
+        [390, 844],
+    ]) {
         for (const colorScheme of ["light", "dark"]) {
             const size = width > 400 ? "512x384" : "320x240";
-            const { page, context } = await opened(`?method=bracket&size=${size}`, { viewport: { width, height }, colorScheme });
+            const { page, context } = await opened(`?method=bracket&size=${size}`, {
+                viewport: { width, height },
+                colorScheme,
+            });
             await whole(page);
             // The marks are shown at their brightest.
-            await page.evaluate(() => { for (const animation of document.getAnimations()) [animation.currentTime] = [1100, animation.pause()]; });
-            const wide = await page.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.clientWidth]);
+            await page.evaluate(() => {
+                for (const animation of document.getAnimations()) [animation.currentTime] = [1100, animation.pause()];
+            });
+            const wide = await page.evaluate(() => [
+                document.documentElement.scrollWidth,
+                document.documentElement.clientWidth,
+            ]);
             assert.ok(wide[0] <= wide[1], `${wide[0]} over ${wide[1]}`);
             await page.screenshot({ path: path.join(out, `${width}-${colorScheme}.png`), fullPage: true });
             await context.close();
@@ -251,9 +317,15 @@ await test("screenshots", async () => {
     const before = JSON.stringify(await pixels(page));
     const touch = await context.newCDPSession(page);
     const { x, y, width } = await page.locator("#picture").boundingBox();
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     // One finger is left of the divider, and one is right of it.
-    for (const [type, apart] of [["touchStart", 40], ["touchMove", 70], ["touchMove", 110]]) {
+    for (const [type, apart] of [
+        ["touchStart", 40],
+        ["touchMove", 70],
+        ["touchMove", 110],
+    ]) {
         const touchPoints = [-1, 1].map((side, id) => ({ x: x + width / 2 + side * apart, y: y + 100, id }));
         await touch.send("Input.dispatchTouchEvent", { type, touchPoints });
     }
@@ -263,21 +335,28 @@ await test("screenshots", async () => {
     await context.close();
 });
 
-if (full) await test("the poster", async () => {
-    const { page, context } = await opened("?method=bracket&samples=4&size=720x540");
-    await whole(page);
-    const bytes = await page.evaluate(async () => {
-        const [picture, traced] = ["picture", "traced"].map((id) => /** @type {HTMLCanvasElement} */ (document.getElementById(id)));
-        const { width, height } = picture;
-        const canvas = new OffscreenCanvas(width, height);
-        const context = canvas.getContext("2d");
-        context.drawImage(picture, 0, 0);
-        context.drawImage(traced, width / 2, 0, width / 2, height, width / 2, 0, width / 2, height);
-        context.fillStyle = "#fff";
-        context.fillRect(width / 2 - 1, 0, 2, height);
-        return [...new Uint8Array(await (await canvas.convertToBlob({ type: "image/jpeg", quality: 0.6 })).arrayBuffer())];
+if (full)
+    await test("the poster", async () => {
+        const { page, context } = await opened("?method=bracket&samples=4&size=720x540");
+        await whole(page);
+        const bytes = await page.evaluate(async () => {
+            const [picture, traced] = ["picture", "traced"].map(
+                (id) => /** @type {HTMLCanvasElement} */ (document.getElementById(id)),
+            );
+            const { width, height } = picture;
+            const canvas = new OffscreenCanvas(width, height);
+            const context = canvas.getContext("2d");
+            context.drawImage(picture, 0, 0);
+            context.drawImage(traced, width / 2, 0, width / 2, height, width / 2, 0, width / 2, height);
+            context.fillStyle = "#fff";
+            context.fillRect(width / 2 - 1, 0, 2, height);
+            return [
+                ...new Uint8Array(
+                    await (await canvas.convertToBlob({ type: "image/jpeg", quality: 0.6 })).arrayBuffer(),
+                ),
+            ];
+        });
+        await writeFile(path.join(out, "poster.jpg"), Buffer.from(bytes));
+        figures.poster = await page.locator("#sentence").innerText();
+        await context.close();
     });
-    await writeFile(path.join(out, "poster.jpg"), Buffer.from(bytes));
-    figures.poster = await page.locator("#sentence").innerText();
-    await context.close();
-});

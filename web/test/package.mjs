@@ -31,7 +31,12 @@ await test("wrong values are refused by name", async () => {
             () => render(scene, camera, { signal: AbortSignal.abort() }),
             () => Scene.fromFiles({ "a.obj": "text" }),
             () => new Scene().addMesh({ positions: [0, 0, 0] }),
-            () => new Scene().addMesh({ positions: new Float32Array(9), indices: new Uint32Array([0, 1, 3]), uvs: new Float32Array(6) }),
+            () =>
+                new Scene().addMesh({
+                    positions: new Float32Array(9),
+                    indices: new Uint32Array([0, 1, 3]),
+                    uvs: new Float32Array(6),
+                }),
             () => render(new Scene()),
         ];
         const found = [];
@@ -53,31 +58,57 @@ await test("wrong values are refused by name", async () => {
     const typed = [...fields.matchAll(/^    (\w+)\?:/gm)].map(([, name]) => name);
     assert.deepEqual(typed.sort(), [...names, "signal", "onProgress"].sort());
     figures.refused = messages;
-    const expected = [/camera\.eye/, /fof/, /200/, /ambientOcclusion: unknown field 'reach'/, /lights\[0\]: unknown field 'raduis'/, /magic/, /10 per pixel/, /signal/, /^AbortError/, /a\.obj.*Uint8Array/, /positions.*Float32Array/, /3 vertices/, /nothing to look at/, /^64,64$/];
+    const expected = [
+        /camera\.eye/,
+        /fof/,
+        /200/,
+        /ambientOcclusion: unknown field 'reach'/,
+        /lights\[0\]: unknown field 'raduis'/,
+        /magic/,
+        /10 per pixel/,
+        /signal/,
+        /^AbortError/,
+        /a\.obj.*Uint8Array/,
+        /positions.*Float32Array/,
+        /3 vertices/,
+        /nothing to look at/,
+        /^64,64$/,
+    ];
     messages.forEach((message, index) => assert.match(message, expected[index]));
     await context.close();
 });
 
-if (full) await test("the time of a pair of 512x512", async () => {
-    const timed = await opened("example/");
-    const here = await timed.page.evaluate(async () => {
-        const { Scene, Renderer } = await import("../pkg/index.js");
-        const [scene, renderer] = [Scene.builtin("hall"), new Renderer()];
-        const camera = scene.camera(512, 512);
-        const times = { naive: [], bracket: [] };
-        for (let round = 0; round < 4; round += 1) {
-            for (const method of Object.keys(times)) {
-                const begin = performance.now();
-                const pair = await renderer.render(scene, camera, { method });
-                // The first round compiles kernels.
-                if (round) times[method].push(performance.now() - begin);
-                pair.free();
+if (full)
+    await test("the time of a pair of 512x512", async () => {
+        const timed = await opened("example/");
+        const here = await timed.page.evaluate(async () => {
+            const { Scene, Renderer } = await import("../pkg/index.js");
+            const [scene, renderer] = [Scene.builtin("hall"), new Renderer()];
+            const camera = scene.camera(512, 512);
+            const times = { naive: [], bracket: [] };
+            for (let round = 0; round < 4; round += 1) {
+                for (const method of Object.keys(times)) {
+                    const begin = performance.now();
+                    const pair = await renderer.render(scene, camera, { method });
+                    // The first round compiles kernels.
+                    if (round) times[method].push(performance.now() - begin);
+                    pair.free();
+                }
             }
-        }
-        return { camera, ms: Object.fromEntries(Object.entries(times).map(([name, all]) => [name, all.sort((a, b) => a - b)[1]])) };
+            return {
+                camera,
+                ms: Object.fromEntries(
+                    Object.entries(times).map(([name, all]) => [name, all.sort((a, b) => a - b)[1]]),
+                ),
+            };
+        });
+        const folder = path.join(out, "native", "hall-512");
+        const there = await natively(folder, {
+            scene: { builtin: "hall" },
+            camera: here.camera,
+            methods: ["naive", "bracket"],
+            rounds: 3,
+        });
+        figures.pair512 = { browser: here.ms, native: there.ms };
+        await timed.context.close();
     });
-    const folder = path.join(out, "native", "hall-512");
-    const there = await natively(folder, { scene: { builtin: "hall" }, camera: here.camera, methods: ["naive", "bracket"], rounds: 3 });
-    figures.pair512 = { browser: here.ms, native: there.ms };
-    await timed.context.close();
-});

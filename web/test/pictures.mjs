@@ -2,7 +2,22 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import path from "node:path";
-import { choose, decoded, difference, drop, figures, natively, opened, out, pixels, scenes, slide, test, watched, whole } from "./tools.mjs";
+import {
+    choose,
+    decoded,
+    difference,
+    drop,
+    figures,
+    natively,
+    opened,
+    out,
+    pixels,
+    scenes,
+    slide,
+    test,
+    watched,
+    whole,
+} from "./tools.mjs";
 
 const METHODS = ["naive", "bracket", "atomic"];
 const SIZE = "192x144";
@@ -14,23 +29,32 @@ async function sameAsNative(page, name, scene) {
         await choose(page, "method", method);
         const camera = await worker.evaluate(() => globalThis.asked.camera);
         const folder = path.join(out, "native", name);
-        if (method === METHODS[0]) figures.adapter = (await natively(folder, { scene, camera, methods: METHODS })).adapter;
+        if (method === METHODS[0])
+            figures.adapter = (await natively(folder, { scene, camera, methods: METHODS })).adapter;
         for (const eye of ["left", "right"]) {
             await choose(page, "view", eye);
-            const [here, there] = [(await pixels(page)).data, await decoded(page, await readFile(path.join(folder, `${method}-${eye}.png`)))];
+            const [here, there] = [
+                (await pixels(page)).data,
+                await decoded(page, await readFile(path.join(folder, `${method}-${eye}.png`))),
+            ];
             const found = difference(here, there);
             figures[`${name} ${method} ${eye}`] = found;
             assert.ok(new Set(here).size > 20, `${name} ${method} ${eye}: a picture of next to nothing`);
             // Files are read to the same numbers. Values from sines and powers, which differ between systems, may
             // differ in the last bits. One byte of 110,592 of the hall differs by 1, as measured on one machine.
             const allowed = scene.builtin ? { differing: 8, most: 1 } : { differing: 0, most: 0 };
-            assert.ok(found.differing <= allowed.differing && found.most <= allowed.most, `${name} ${method} ${eye}: ${JSON.stringify(found)}`);
+            assert.ok(
+                found.differing <= allowed.differing && found.most <= allowed.most,
+                `${name} ${method} ${eye}: ${JSON.stringify(found)}`,
+            );
         }
     }
 }
 
 await test("two built-in scenes and a dropped model by three methods, pixel by pixel as natively", async () => {
-    const { page, context, faults, foreign } = await opened(`?scene=hall&method=naive&view=left&size=${SIZE}`, { prepare: watched });
+    const { page, context, faults, foreign } = await opened(`?scene=hall&method=naive&view=left&size=${SIZE}`, {
+        prepare: watched,
+    });
     await whole(page);
     await sameAsNative(page, "hall", { builtin: "hall" });
     await choose(page, "scene", "random-20");
@@ -46,7 +70,9 @@ await test("two built-in scenes and a dropped model by three methods, pixel by p
 });
 
 await test("settings change the picture, gestures and keys move the eyes, and the page answers meanwhile", async () => {
-    const { page, context, faults } = await opened("?scene=three-spheres&size=160x120&view=anaglyph", { prepare: watched });
+    const { page, context, faults } = await opened("?scene=three-spheres&size=160x120&view=anaglyph", {
+        prepare: watched,
+    });
     await whole(page);
     const seen = [JSON.stringify(await pixels(page))];
     const changed = async (what) => {
@@ -65,14 +91,18 @@ await test("settings change the picture, gestures and keys move the eyes, and th
     await slide(page, "lights", "0");
     assert.equal(JSON.stringify(await pixels(page)), seen.at(-2), "the scene's own lights come back");
     const box = await page.locator("#picture").boundingBox();
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     await page.mouse.move(box.x + 200, box.y + 200);
     await page.mouse.down();
     await page.mouse.move(box.x + 260, box.y + 210, { steps: 5 });
     await page.mouse.up();
     await whole(page);
     await changed("a drag");
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     await page.locator("#picture").focus();
     await page.keyboard.press("ArrowLeft");
     await whole(page);
@@ -92,16 +122,27 @@ await test("settings change the picture, gestures and keys move the eyes, and th
         return found.size;
     });
     assert.equal(swings, 2, "wiggle shows both eyes by turns");
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     await page.locator("#picture").focus();
     // The zoom ends at 64 times the distance of the scene's own camera.
-    const distance = () => page.workers()[0].evaluate(() => Math.hypot(...globalThis.asked.camera.eye.map((value, axis) => value - globalThis.asked.camera.target[axis])));
+    const distance = () =>
+        page
+            .workers()[0]
+            .evaluate(() =>
+                Math.hypot(
+                    ...globalThis.asked.camera.eye.map((value, axis) => value - globalThis.asked.camera.target[axis]),
+                ),
+            );
     const near = await distance();
     for (let time = 0; time < 60; time += 1) await page.keyboard.press("-");
     await whole(page);
     const far = await distance();
     assert.ok(Math.abs(far / near - 64) < 1e-3, `${far} from ${near}`);
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     await page.keyboard.press("r");
     await slide(page, "samples", "1");
     await choose(page, "view", "anaglyph");
@@ -109,13 +150,19 @@ await test("settings change the picture, gestures and keys move the eyes, and th
     const long = await page.evaluate(() => globalThis.longTasks);
     figures.longTasks = long;
     // In the first seconds the page itself is compiled.
-    assert.deepEqual(long.filter(([start, duration]) => start > 3000 && duration > 50), [], "tasks over 50 ms");
+    assert.deepEqual(
+        long.filter(([start, duration]) => start > 3000 && duration > 50),
+        [],
+        "tasks over 50 ms",
+    );
     assert.deepEqual(faults, []);
     await context.close();
 });
 
 await test("a head turns inside 360 degrees without another frame, and the pair is written whole", async () => {
-    const { page, context, faults } = await opened("?scene=hall&size=160x120&view=left&projection=360", { prepare: watched });
+    const { page, context, faults } = await opened("?scene=hall&size=160x120&view=left&projection=360", {
+        prepare: watched,
+    });
     await whole(page);
     await page.screenshot({ path: path.join(out, "around.png") });
     const ahead = await pixels(page);
@@ -157,7 +204,11 @@ await test("comparison, downloads, quilt and chart", async () => {
     const { page, context, faults } = await opened("?scene=random-20&size=96x72&method=ideal");
     await whole(page);
     await page.click("#compare");
-    await page.waitForFunction(() => /identical to naive/.test(document.querySelector("#compared").textContent) && !document.querySelector("#compare").disabled);
+    await page.waitForFunction(
+        () =>
+            /identical to naive/.test(document.querySelector("#compared").textContent) &&
+            !document.querySelector("#compare").disabled,
+    );
     const text = await page.locator("#compared").innerText();
     const identical = Number(/([\d.]+)% of the right/.exec(text)[1]);
     assert.ok(identical > 50 && identical < 100, text);
@@ -166,16 +217,28 @@ await test("comparison, downloads, quilt and chart", async () => {
         const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
         const bytes = await readFile(await download.path());
         await page.waitForFunction(() => !document.querySelector("#compare").disabled);
-        return { name: download.suggestedFilename(), width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20), signature: bytes.toString("latin1", 1, 4), bytes };
+        return {
+            name: download.suggestedFilename(),
+            width: bytes.readUInt32BE(16),
+            height: bytes.readUInt32BE(20),
+            signature: bytes.toString("latin1", 1, 4),
+            bytes,
+        };
     };
     const { bytes: written, ...picture } = await saved("#save");
     assert.deepEqual(picture, { name: "random-20_difference.png", width: 96, height: 72, signature: "PNG" });
-    assert.equal(difference((await pixels(page)).data, await decoded(page, written)).differing, 0, "what is written is what is shown");
+    assert.equal(
+        difference((await pixels(page)).data, await decoded(page, written)).differing,
+        0,
+        "what is written is what is shown",
+    );
     await choose(page, "method", "bracket");
     const { bytes: _, ...quilt } = await saved("#quilt");
     assert.deepEqual(quilt, { name: "random-20_qs8x6a0.75.png", width: 3360, height: 3360, signature: "PNG" });
     await page.click("#measure");
-    await page.waitForFunction(() => document.querySelector("#json").value && !document.querySelector("#measure").disabled);
+    await page.waitForFunction(
+        () => document.querySelector("#json").value && !document.querySelector("#measure").disabled,
+    );
     const json = JSON.parse(await page.locator("#json").inputValue());
     assert.equal(json.scene, "random-20");
     assert.equal(json.adapter.software, true);
@@ -201,8 +264,16 @@ await test("light by paths is refined while nothing changes", async () => {
     await whole(page);
     const before = JSON.stringify(await pixels(page));
     await choose(page, "light", "paths");
-    const paths = () => page.evaluate(() => Number(/paths per pixel\s*(\d+)/.exec(document.querySelector("#figures").textContent)?.[1] ?? 0));
-    const refined = async (least) => page.waitForFunction((least) => Number(/paths per pixel\s*(\d+)/.exec(document.querySelector("#figures").textContent)?.[1]) >= least, least);
+    const paths = () =>
+        page.evaluate(() =>
+            Number(/paths per pixel\s*(\d+)/.exec(document.querySelector("#figures").textContent)?.[1] ?? 0),
+        );
+    const refined = async (least) =>
+        page.waitForFunction(
+            (least) =>
+                Number(/paths per pixel\s*(\d+)/.exec(document.querySelector("#figures").textContent)?.[1]) >= least,
+            least,
+        );
     await refined(12);
     assert.notEqual(JSON.stringify(await pixels(page)), before, "paths show other light");
     // Another view is shown without losing the passes.
@@ -221,9 +292,12 @@ await test("light by paths is refined while nothing changes", async () => {
         const { Passes, Renderer, Scene } = await import("./pkg/index.js");
         const [scene, renderer, passes] = [Scene.builtin("three-spheres"), new Renderer(), new Passes()];
         const camera = scene.camera(48, 36);
-        for (const paths of [2, 6]) (await renderer.addTo(passes, scene, camera, { lighting: `paths=${paths}:3` })).free();
+        for (const paths of [2, 6])
+            (await renderer.addTo(passes, scene, camera, { lighting: `paths=${paths}:3` })).free();
         const faults = [];
-        await renderer.addTo(passes, scene, { ...camera, interaxial: 1 }, { lighting: "paths=2:3" }).catch((error) => faults.push(error.message));
+        await renderer
+            .addTo(passes, scene, { ...camera, interaxial: 1 }, { lighting: "paths=2:3" })
+            .catch((error) => faults.push(error.message));
         return [passes.count, passes.paths, await renderer.suggestExposure(scene, camera), ...faults];
     });
     assert.deepEqual(means.slice(0, 2), [2, 8]);

@@ -16,7 +16,12 @@ export const TIMEOUT = 120_000;
 await rm(out, { recursive: true, force: true });
 await mkdir(out, { recursive: true });
 export const { server, address } = await serve(site);
-const flags = ["--no-sandbox", "--enable-unsafe-webgpu", "--headless=new", "--host-resolver-rules=MAP insecure.test 127.0.0.1"];
+const flags = [
+    "--no-sandbox",
+    "--enable-unsafe-webgpu",
+    "--headless=new",
+    "--host-resolver-rules=MAP insecure.test 127.0.0.1",
+];
 const browser = await chromium.launch({ executablePath, args: flags });
 let failures = 0;
 export const figures = {};
@@ -35,7 +40,10 @@ export async function test(name, work) {
 }
 
 /** Opens a page and collects its errors. */
-export async function opened(query = "", { viewport = { width: 1280, height: 860 }, at = address, prepare, ...options } = {}) {
+export async function opened(
+    query = "",
+    { viewport = { width: 1280, height: 860 }, at = address, prepare, ...options } = {},
+) {
     const context = await browser.newContext({ viewport, acceptDownloads: true, ...options });
     const page = await context.newPage();
     page.setDefaultTimeout(TIMEOUT);
@@ -48,7 +56,9 @@ export async function opened(query = "", { viewport = { width: 1280, height: 860
     // Long tasks of the main thread are recorded, once the page is there.
     await page.addInitScript(() => {
         globalThis.longTasks = [];
-        new PerformanceObserver((list) => globalThis.longTasks.push(...list.getEntries().map(({ startTime, duration }) => [startTime, duration]))).observe({ type: "longtask", buffered: true });
+        new PerformanceObserver((list) =>
+            globalThis.longTasks.push(...list.getEntries().map(({ startTime, duration }) => [startTime, duration])),
+        ).observe({ type: "longtask", buffered: true });
     });
     await prepare?.(page, context);
     await page.goto(at + query);
@@ -59,51 +69,73 @@ export async function opened(query = "", { viewport = { width: 1280, height: 860
 export async function whole(page) {
     // A wish is set at once, or within the delay after a drag.
     await page.waitForTimeout(250);
-    await page.waitForFunction(() => document.documentElement.dataset.state === "whole" && document.querySelector("#busy").hidden);
+    await page.waitForFunction(
+        () => document.documentElement.dataset.state === "whole" && document.querySelector("#busy").hidden,
+    );
 }
 
 export async function choose(page, id, value) {
-    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
     await page.selectOption(`#${id}`, value);
     if (id !== "view" && id !== "glasses") await whole(page);
     else await page.waitForTimeout(500);
 }
 
 export async function slide(page, id, value) {
-    await page.evaluate(([id, value]) => {
-        document.documentElement.dataset.state = "";
-        const slider = document.querySelector(`#${id}`);
-        slider.value = value;
-        for (const name of ["input", "change"]) slider.dispatchEvent(new Event(name, { bubbles: true }));
-    }, [id, value]);
+    await page.evaluate(
+        ([id, value]) => {
+            document.documentElement.dataset.state = "";
+            const slider = document.querySelector(`#${id}`);
+            slider.value = value;
+            for (const name of ["input", "change"]) slider.dispatchEvent(new Event(name, { bubbles: true }));
+        },
+        [id, value],
+    );
     await whole(page);
 }
 
 /** Returns the pixels of the canvas. */
-export const pixels = (page) => page.evaluate(() => {
-    const canvas = document.querySelector("#picture");
-    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-    return { width: canvas.width, height: canvas.height, data: [...data] };
-});
+export const pixels = (page) =>
+    page.evaluate(() => {
+        const canvas = document.querySelector("#picture");
+        const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+        return { width: canvas.width, height: canvas.height, data: [...data] };
+    });
 
 export async function drop(page, files) {
-    const given = await Promise.all(files.map(async (file) => typeof file === "string" ? { name: path.basename(file), bytes: [...await readFile(file)] } : file));
+    const given = await Promise.all(
+        files.map(async (file) =>
+            typeof file === "string" ? { name: path.basename(file), bytes: [...(await readFile(file))] } : file,
+        ),
+    );
     await page.evaluate((given) => {
         document.documentElement.dataset.state = "";
         const transfer = new DataTransfer();
         for (const { name, bytes } of given) transfer.items.add(new File([new Uint8Array(bytes)], name));
-        for (const name of ["dragenter", "dragover", "drop"]) document.body.dispatchEvent(new DragEvent(name, { bubbles: true, cancelable: true, dataTransfer: transfer }));
+        for (const name of ["dragenter", "dragover", "drop"])
+            document.body.dispatchEvent(
+                new DragEvent(name, { bubbles: true, cancelable: true, dataTransfer: transfer }),
+            );
     }, given);
 }
 
 /** Returns the pixels of a PNG file, decoded by the browser. */
-export const decoded = (page, bytes) => page.evaluate(async (bytes) => {
-    const bitmap = await createImageBitmap(new Blob([new Uint8Array(bytes)], { type: "image/png" }), { premultiplyAlpha: "none", colorSpaceConversion: "none" });
-    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
-    const context = canvas.getContext("2d");
-    context.drawImage(bitmap, 0, 0);
-    return [...context.getImageData(0, 0, bitmap.width, bitmap.height).data];
-}, [...bytes]);
+export const decoded = (page, bytes) =>
+    page.evaluate(
+        async (bytes) => {
+            const bitmap = await createImageBitmap(new Blob([new Uint8Array(bytes)], { type: "image/png" }), {
+                premultiplyAlpha: "none",
+                colorSpaceConversion: "none",
+            });
+            const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+            const context = canvas.getContext("2d");
+            context.drawImage(bitmap, 0, 0);
+            return [...context.getImageData(0, 0, bitmap.width, bitmap.height).data];
+        },
+        [...bytes],
+    );
 
 /** Renders the page's pictures natively. */
 export async function natively(folder, request) {
