@@ -74,6 +74,7 @@ await test("a sentence has the figures of the last picture, and the choice of au
     assert.match(cards, /traced, nothing reused/);
     assert.doesNotMatch(cards, /re-traced|traced again/);
     await choose(page, "method", "auto");
+    assert.ok(await page.locator("#choice").isVisible());
     assert.match(await page.locator("#choice").innerText(), /^auto chose \w+.*predicted to cost/);
     figures.sentence = await sentence();
     await context.close();
