@@ -642,14 +642,14 @@ impl Renderer {
     }
 
     /// Measures the adapter for the method ``auto``, which chooses by the result from now on. Returns it:
-    /// (ray_seconds, search, shadow), the time of a primary ray, the cost per pixel of finding the right view's
-    /// surfaces by ``bracket``, and that of a shadow ray that it saves, in primary rays.
+    /// (``ray_seconds``, ``search``, ``shadow``): the time of a primary ray, the cost per pixel of finding the right
+    /// view's surfaces by ``bracket``, and that of a shadow ray that it saves, in primary rays.
     fn calibrate(&self, py: Python<'_>) -> PyResult<(f32, f32, f32)> {
         self.with_stage(py, |stage| stage.renderer.calibrate().wait().map(numbers_of))
     }
 
-    /// What the method ``auto`` chooses by: (ray_seconds, search, shadow), see :meth:`calibrate`. The time is 0 if it
-    /// is not measured. The result of an earlier calibration of the same adapter and driver can be set.
+    /// What the method ``auto`` chooses by: (``ray_seconds``, ``search``, ``shadow``), see :meth:`calibrate`. The time
+    /// is 0 if it is not measured. The result of an earlier calibration of the same adapter and driver can be set.
     #[getter]
     fn calibration(&self, py: Python<'_>) -> PyResult<(f32, f32, f32)> {
         self.with_stage(py, |stage| Ok(numbers_of(stage.renderer.calibration())))
