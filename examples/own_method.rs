@@ -73,7 +73,7 @@ fn warped(pair: &StereoPair) -> StereoPair {
 fn nearest_by_column(disparities: &[f32], depths: &[f32]) -> Vec<Option<usize>> {
     let mut found = vec![None; depths.len()];
     for (from, disparity) in disparities.iter().enumerate() {
-        // Columns before the first one become usize::MAX or more, which no row has.
+        // Columns before the first one become numbers near usize::MAX, which no row has.
         let column = (from as f32 - disparity).round() as isize as usize;
         if let Some(found) = found.get_mut(column)
             && found.is_none_or(|other: usize| depths[from] < depths[other])

@@ -13,9 +13,6 @@ use std::{
     sync::{Arc, Mutex},
 };
 
-#[cfg(not(target_arch = "wasm32"))]
-use rayon::prelude::*;
-
 pub(crate) use resource::Resource;
 pub(crate) use role::{Canvas, Dispatches, Does, Hits, Role, SampleUse, Shading, Visible};
 
@@ -119,11 +116,12 @@ impl Kernels {
         }
         // A thread that needs one of the pipelines meanwhile waits for it in `Gpu::pipeline`.
         let build = |(kernel, program)| (kernel, gpu.checked(|| Ok(gpu.pipeline(program))));
+        let programs: Vec<_> = programs.into_values().collect();
         #[cfg(not(target_arch = "wasm32"))]
-        let building: Vec<_> = Vec::from_iter(programs.into_values()).into_par_iter().map(build).collect();
+        let built = in_parallel(compile_threads(gpu), programs, build);
         #[cfg(target_arch = "wasm32")]
-        let building: Vec<_> = programs.into_values().map(build).collect();
-        for (kernel, pipeline) in building {
+        let built: Vec<_> = programs.into_iter().map(build).collect();
+        for (kernel, pipeline) in built {
             let pipeline = pipeline.await?;
             self.known(kernel, with, |known, _| {
                 known.linked = None;
@@ -143,6 +141,36 @@ impl Kernels {
         };
         apply(lock(&self.0).entry(key(kernel, with)).or_insert_with(link), &with)
     }
+}
+
+/// Returns the number of threads that build pipelines. OpenGL has one context, for which threads would wait.
+#[cfg(not(target_arch = "wasm32"))]
+fn compile_threads(gpu: &Gpu) -> usize {
+    match gpu.adapter_info().backend {
+        wgpu::Backend::Gl => 1,
+        _ => std::thread::available_parallelism().map_or(1, |threads| threads.get()),
+    }
+}
+
+/// Does work for all items, on up to this many threads, in any order. They are no threads of a pool: those take other
+/// work while they wait, and a caller may hold a lock that this work needs.
+#[cfg(not(target_arch = "wasm32"))]
+fn in_parallel<T: Send, R: Send>(threads: usize, items: Vec<T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
+    let threads = threads.min(items.len());
+    let (next, done) = (Mutex::new(items.into_iter()), Mutex::new(Vec::new()));
+    let run = || {
+        loop {
+            let Some(item) = lock(&next).next() else { return };
+            let result = work(item);
+            lock(&done).push(result);
+        }
+    };
+    if threads <= 1 {
+        run();
+    } else {
+        std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(run))));
+    }
+    done.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
 fn program(kernel: &Kernel, with: &Variant, Linked { text, bindings }: Linked) -> Program {

@@ -40,7 +40,7 @@ fn is_portable(text: &str) -> bool {
     !text.contains("ray_query")
 }
 
-/// Returns every distinct text. They are linked once, since that takes seconds.
+/// Returns every distinct text. They are linked once for all tests, since that takes seconds.
 fn modules() -> &'static [Module] {
     static MODULES: OnceLock<Vec<Module>> = OnceLock::new();
     MODULES.get_or_init(|| {
