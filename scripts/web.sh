@@ -1,8 +1,8 @@
 #!/bin/sh
 # Builds the page and the npm package, and serves them on the loopback address.
 #   sh scripts/web.sh [build|serve] [PORT]       both, where neither is said; port 8080
-# With STEREOTRACE_PAGE, the address at which the page will be, other sites show a preview of links to it. STEREOTRACE_SOURCE is the address
-# that its link to the source leads to.
+# With STEREOTRACE_PAGE, the address at which the page will be, other sites show a preview of links to it.
+# STEREOTRACE_SOURCE is the address that its link to the source leads to.
 # The page comes to target/page, a folder that any static web server can serve; the npm package to target/page/pkg. Needs Node 18 or
 # newer and npm. wasm-bindgen, of the version in Cargo.lock, is built into target/wasm-bindgen where it is not there, and wasm-opt comes from
 # the npm package binaryen, into target/npm.

@@ -63,15 +63,14 @@ fn all(file: &Path) -> Option<serde_json::Map<String, Value>> {
 fn kept(file: &Path, key: &str) -> Option<Calibration> {
     let found = all(file)?.remove(key)?;
     let number = |name: &str| found[name].as_f64().map(|value| value as f32).filter(|value| value.is_finite());
-    let read = || {
-        let [ray_seconds, search, shadow] = [number("ray_seconds")?, number("search")?, number("shadow")?];
-        Some(Calibration { ray_seconds, search, shadow })
-    };
-    let calibration = read();
-    if calibration.is_none() {
-        log::warn!("{}: the calibration of {key} is not one; it is ignored", shown(file));
+    let names = ["ray_seconds", "search", "shadow"];
+    if let [Some(ray_seconds), Some(search), Some(shadow)] = names.map(number) {
+        return Some(Calibration { ray_seconds, search, shadow });
     }
-    calibration
+    let missing = Vec::from_iter(names.into_iter().filter(|name| number(name).is_none())).join(", ");
+    let remedy = "it is ignored, and --calibrate measures it again";
+    log::warn!("{}: the calibration of {key} lacks {missing}; {remedy}", shown(file));
+    None
 }
 
 fn keep(file: &Path, key: &str, found: Calibration) -> Result<(), Box<dyn std::error::Error>> {

@@ -19,6 +19,8 @@ const TELLING: f64 = 0.05;
 /// Least number of pictures whose median time gives the remaining time. The first ones compile kernels, and would make
 /// a mean too long.
 const MANY: u32 = 10;
+/// Number of pictures, the last ones, whose times are kept.
+const KEPT: usize = 1000;
 /// Number of steps of the bar.
 const STEPS: u64 = 10_000;
 
@@ -30,7 +32,7 @@ pub(crate) struct Progress {
     /// Time and share of finished work at the first report. Kernels are compiled before it.
     first: Option<(Instant, f64)>,
     last: Instant,
-    /// Time of each finished picture, and the end of the last one.
+    /// Times of the last finished pictures, and the end of the last one.
     times: Vec<Duration>,
     ended: Instant,
     /// Total number of pictures, and number of finished pictures.
@@ -104,6 +106,9 @@ impl Progress {
     /// Counts a finished picture.
     pub(crate) fn next(&mut self) {
         let now = Instant::now();
+        if self.times.len() == KEPT {
+            self.times.remove(0);
+        }
         self.times.push(now - self.ended);
         (self.ended, self.pictures.1) = (now, self.pictures.1 + 1);
     }
@@ -156,5 +161,7 @@ mod tests {
         progress.first = Some((now.checked_sub(seconds(10.0)).unwrap(), 0.0));
         let left = progress.left(0.25).unwrap().as_secs_f64();
         assert!((left - 30.0).abs() < 1.0, "{left}");
+        (0..2 * KEPT).for_each(|_| progress.next());
+        assert_eq!(progress.times.len(), KEPT);
     }
 }

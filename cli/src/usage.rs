@@ -2,7 +2,8 @@
 
 use std::{error::Error, fmt};
 
-/// A fault of the command line, which ends the program with the status 2. It is found before any file is read.
+/// A fault of the command line, which ends the program with the status 2. Most faults are found before any file is
+/// read. Some depend on the scene.
 #[derive(Debug)]
 pub(crate) struct Usage(pub(crate) String);
 

@@ -527,6 +527,7 @@ fn the_table_names_the_file_to_open_and_keeps_figures_for_stats() {
     assert!(text.contains("comfortable on a display 0.6 m wide\n"), "{text}");
     assert!(!text.contains("rays ") && !text.contains("re-traced"), "{text}");
     assert!(said(&["--stats"]).contains("\nre-traced  "));
+    assert!(said(&["--screen", "0.01"]).contains("\ndepth      0.0% of the width before the screen"));
     let text = said(&["--packing", "cross-eyed"]);
     assert!(text.contains("/cross-eyed.png: view it with crossed eyes\n"), "{text}");
 }

@@ -256,7 +256,7 @@ impl Report<'_> {
 
     fn comfort_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let comfort = self.comfort();
-        let (near, far) = (-comfort.negative_parallax_percent, comfort.positive_parallax_percent);
+        let (near, far) = (comfort.negative_parallax_percent.abs(), comfort.positive_parallax_percent);
         let warnings = comfort.warnings();
         let fits = if warnings.is_empty() { "comfortable" } else { "uncomfortable" };
         let depth = format!("{near:.1}% of the width before the screen, {far:.1}% behind it");
