@@ -102,10 +102,7 @@ impl Target {
     pub(crate) fn of(path: &Path) -> Result<Self, Usage> {
         let ending = ending(path);
         if !path.is_dir() && WRITTEN.contains(&&*ending) {
-            if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-                make_folder(folder)?;
-            }
-            check_writable(path.parent().unwrap_or(path), path)?;
+            prepare_file(path)?;
             return Ok(Self::File(path.to_owned()));
         }
         if !path.is_dir() && NOT_WRITTEN.contains(&&*ending) {
@@ -116,6 +113,14 @@ impl Target {
         check_writable(path, path)?;
         Ok(Self::Folder(path.to_owned()))
     }
+}
+
+/// Creates the folder of a file, and checks that the file can be written.
+pub(crate) fn prepare_file(path: &Path) -> Result<(), Usage> {
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        make_folder(folder)?;
+    }
+    check_writable(path.parent().unwrap_or(path), path)
 }
 
 /// Creates a file in the folder and removes it, so that an unwritable target fails before rendering.
@@ -159,6 +164,14 @@ pub(crate) fn is_single_picture(path: &Path) -> bool {
     is_png(path) || ["jpg", "jpeg"].contains(&&*ending(path)) && !is_vr_photo(path)
 }
 
+/// Checks that the file name is that of one picture, and not of a file of both eyes.
+pub(crate) fn check_one_picture(path: &Path) -> Result<(), Usage> {
+    match &*ending(path) {
+        "png" | "jpg" | "jpeg" => Ok(()),
+        other => Err(Usage(format!("{}: .{other} holds both eyes of a pair, not one picture", shown(path)))),
+    }
+}
+
 /// Adds a picture to the batch as a PNG or JPEG file, by the extension of its name.
 pub(crate) fn add_picture(
     batch: &mut Batch,
@@ -166,11 +179,12 @@ pub(crate) fn add_picture(
     picture: &Picture,
     quality: u8,
 ) -> Result<(), Box<dyn Error>> {
-    match &*ending(path) {
-        "png" => Ok(batch.add_png(path, picture)?),
-        "jpg" | "jpeg" => Ok(batch.add_jpeg(path, picture, quality)?),
-        other => Err(format!("{}: .{other} holds both eyes of a pair, not one picture", shown(path)).into()),
+    check_one_picture(path)?;
+    match is_png(path) {
+        true => batch.add_png(path, picture)?,
+        false => batch.add_jpeg(path, picture, quality)?,
     }
+    Ok(())
 }
 
 /// Adds a file of both eyes to the batch, in the format of its name's extension.

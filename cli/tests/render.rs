@@ -464,7 +464,7 @@ fn every_command_checks_its_options_before_it_reads_a_file() {
     let file = folder.write("file", "").to_str().unwrap().to_owned();
     let out = folder.file("out").to_str().unwrap().to_owned();
     let below = format!("{file}/pair.png");
-    let cases: [(&str, &[&str], &str); 27] = [
+    let cases: [(&str, &[&str], &str); 33] = [
         ("render", &["--size", "200000x10"], "at most 131072 pixels"),
         ("render", &["--fov", "180"], "above 0 and below 180 degrees"),
         ("render", &["--screen", "0"], "between 1e-6 and 1e9, or be inf"),
@@ -486,8 +486,14 @@ fn every_command_checks_its_options_before_it_reads_a_file() {
         ("sequence", &["--out", &out, "--quilt", "2x2", "--packing", "side-by-side"], "--packing is for pairs"),
         ("sequence", &["--out", "-", "--ground-truth"], "is not a folder"),
         ("views", &["--out", "one.png", "--views", "2"], "a file holds only one view"),
-        ("views", &["--quilt", "4x2", "--views", "6"], "is not filled by 6 views"),
+        ("views", &["--quilt", "4x2", "--views", "6"], "--views 6: a quilt of 4x2 has 8 views"),
         ("views", &["--quilt", "4000x2000"], "it must have 1 to 1024 views"),
+        ("views", &["--quilt", "9"], "it must be like 8x6"),
+        ("views", &["--quilt", "2x2", "--out", "a.exr"], ".exr holds both eyes of a pair, not one picture"),
+        ("views", &["--quilt", "2x2", "--projection", "360"], "--quilt and --projection exclude each other"),
+        ("sequence", &["--out", "a_%d.jps", "--quilt", "2x2"], ".jps holds both eyes of a pair, not one picture"),
+        ("sequence", &["--display", "looking-glass-go", "--toe-in"], "--display and --toe-in exclude each other"),
+        ("views", &["--display", "looking-glass-go", "--calib", "calib.txt"], "cannot be used with"),
         ("views", &["--orbit", "8"], "use `stereotrace sequence --quilt CxR --orbit 8`"),
         ("views", &["--cone", "0"], "above 0, and at most 150 degrees"),
         ("views", &["--display", "looking-glass-go", "--size", "9x9"], "cannot be used with"),

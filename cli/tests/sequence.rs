@@ -152,6 +152,7 @@ fn views_become_pictures_or_a_quilt_that_they_fill() {
     let rows = ["--views", "2", "--rows", "2", "--ground-truth", "--screen", "inf", "--interaxial", "0.1"];
     let text = printed(&[&command(&rows)[..], &place].concat());
     assert!(text.contains("4 views, 2 of them traced, in "), "{text}");
+    assert!(text.contains("\nfocus      the views are parallel\n"), "{text}");
     let size = |name: &str| image::image_dimensions(grid.join(name)).unwrap();
     assert_eq!((size("view_0003.png"), size("pair_0002_0003/im0.png")), ((16, 12), (16, 12)));
     // An upper and a lower view are turned by 90 degrees.
@@ -161,7 +162,7 @@ fn views_become_pictures_or_a_quilt_that_they_fill() {
     let turned = image::open(grid.join("view_0002.png")).unwrap().rotate270().into_rgba8();
     assert_eq!(turned, image::open(grid.join("pair_0000_0002/im1.png")).unwrap().into_rgba8());
     let fault = error_of(&command(&["--views", "6", "--quilt", "4x2"]));
-    assert_eq!(fault, "a quilt of 4x2 is not filled by 6 views");
+    assert_eq!(fault, "--views 6: a quilt of 4x2 has 8 views");
     let names = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut names = Vec::from_iter(names);
     names.sort();
@@ -215,8 +216,10 @@ fn a_film_of_quilts_goes_on_where_it_stopped() {
     assert_eq!(picture("film/quilt_0000.png").dimensions(), (32, 24));
     assert_eq!(picture("film/quilt_0000.png"), picture("one.png"));
     assert_ne!(picture("film/quilt_0003.png"), picture("one.png"));
-    let message = error_of(&[&["sequence"][..], &small, &["--cone", "9", "--orbit", "4", "--out", &out]].concat());
-    assert!(message.contains("quilt_0000.png: it was made with different"), "{message}");
+    for other in [["--cone", "9"], ["--quality", "50"]] {
+        let message = error_of(&[&["sequence"][..], &small, &other, &["--orbit", "4", "--out", &out]].concat());
+        assert!(message.contains("quilt_0000.png: it was made with different"), "{message}");
+    }
 }
 
 /// A program in place of `ffmpeg`, which keeps its arguments and writes the file that its last argument names.

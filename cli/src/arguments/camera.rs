@@ -184,6 +184,13 @@ impl CameraArguments {
         self.projection.and_then(|projection| projection.0)
     }
 
+    /// Returns the option that gives another projection than that of eyes that look through one screen.
+    pub(super) fn other_projection(&self) -> Option<&'static str> {
+        let options =
+            [("--projection", self.span().is_some()), ("--lens", self.lens.is_some()), ("--toe-in", self.toe_in)];
+        options.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
+    }
+
     /// Returns the default size of an eye's picture: width and height in pixels.
     pub(super) fn default_size(&self) -> [u32; 2] {
         match self.span() {
@@ -219,7 +226,6 @@ impl CameraArguments {
 
     /// Returns the camera with the projection of --projection. An equirectangular pair is level unless --up is given.
     /// Its eyes are a human's interaxial apart unless an option or the file of --cameras says otherwise.
-    ///
     pub(super) fn projected(&self, camera: StereoCamera) -> StereoCamera {
         let Some(span) = self.span() else { return camera };
         let projection = self.equirectangular(span);

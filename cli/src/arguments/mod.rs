@@ -9,6 +9,8 @@ mod subject;
 mod time;
 mod values;
 
+#[cfg(feature = "view")]
+pub(crate) use self::values::size;
 pub(crate) use self::{
     camera::CameraArguments,
     light::LightArguments,
@@ -17,7 +19,7 @@ pub(crate) use self::{
     short_help::{command, whole_command},
     subject::{PREVIEW, Purpose, Stage, Subject, depths},
     time::TimeArguments,
-    values::{ShutterArgument, above_zero, frames, shutter, size},
+    values::{ShutterArgument, above_zero, frames, shutter},
 };
 
 use clap::{Args, Parser, Subcommand};

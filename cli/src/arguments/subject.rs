@@ -283,6 +283,11 @@ impl Subject {
         self.camera.projected_path(path)
     }
 
+    /// Returns the option that gives another projection than that of eyes that look through one screen.
+    pub(crate) fn other_projection(&self) -> Option<&'static str> {
+        self.camera.other_projection()
+    }
+
     /// Returns whether an option sets the screen distance.
     pub(crate) fn screen_is_said(&self) -> bool {
         self.camera.screen.is_some() || self.camera.cameras.is_some() || self.camera.calib.is_some()

@@ -65,8 +65,8 @@ impl FilmPaths {
 #[derive(Clone, Debug)]
 pub(super) enum Content {
     Eyes(EyesArguments),
-    /// Quilts with this number of columns and of rows.
-    Quilt([u32; 2], Fan),
+    /// Quilts with this number of columns and of rows, and the quality of JPEG files.
+    Quilt([u32; 2], Fan, u8),
 }
 
 /// A rendered picture of the sequence.

@@ -3,10 +3,10 @@
 use std::error::Error;
 
 use clap::{Args, ValueEnum};
-use stereotrace::{GBuffer, Method, Options, Rig, StereoCamera, blocking::Wait, message::counted};
+use stereotrace::{GBuffer, Method, Options, Rig, StereoCamera, blocking::Wait};
 
 use crate::{
-    arguments::{PREVIEW, Stage, Subject, size},
+    arguments::{PREVIEW, Stage, Subject},
     usage::Usage,
 };
 
@@ -25,12 +25,12 @@ pub(super) struct QuiltArguments {
     ///
     /// The first, leftmost view is at the bottom left. The screen is at the surfaces in the picture's middle, unless an
     /// option, a file of cameras or a built-in scene sets it.
-    #[arg(long, value_name = "CxR", value_parser = size, allow_hyphen_values = true)]
+    #[arg(long, value_name = "CxR", value_parser = grid, allow_hyphen_values = true)]
     quilt: Option<[u32; 2]>,
     /// Make quilts for this display
     ///
     /// Columns, rows and pixels are those that its maker recommends.
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["quilt", "size_said"])]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["quilt", "size_said", "calib"])]
     display: Option<Display>,
     /// Angle in degrees between the outermost views, seen from the middle of the screen [default: 40 for a quilt]
     ///
@@ -93,6 +93,16 @@ impl Display {
     }
 }
 
+/// Parses the columns and rows of a quilt.
+fn grid(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once('x').map(|(columns, rows)| [columns, rows].map(str::parse::<u32>));
+    let Some([Ok(columns), Ok(rows)]) = sides else { return Err("it must be like 8x6".into()) };
+    match columns.checked_mul(rows) {
+        Some(1..=MOST) => Ok([columns, rows]),
+        _ => Err(format!("it must have 1 to {MOST} views")),
+    }
+}
+
 fn cone(text: &str) -> Result<f32, String> {
     let degrees = text.parse().ok().filter(|&degrees: &f32| degrees > 0.0 && degrees <= 150.0);
     degrees.ok_or_else(|| "it must be an angle above 0, and at most 150 degrees".into())
@@ -100,11 +110,24 @@ fn cone(text: &str) -> Result<f32, String> {
 
 impl QuiltArguments {
     /// Returns the columns and rows of the quilt, or `None` if no option asks for one.
-    pub(super) fn grid(&self) -> Result<Option<[u32; 2]>, Usage> {
-        let Some([columns, rows]) = self.quilt.or(self.display.map(Display::grid)) else { return Ok(None) };
-        match columns.checked_mul(rows) {
-            Some(1..=MOST) => Ok(Some([columns, rows])),
-            _ => Err(Usage(format!("--quilt {columns}x{rows}: it must have 1 to {MOST} views"))),
+    pub(super) fn grid(&self) -> Option<[u32; 2]> {
+        self.quilt.or(self.display.map(Display::grid))
+    }
+
+    /// Returns the option that asks for a quilt or a cone, if there is one.
+    fn name(&self) -> Option<&'static str> {
+        let options =
+            [("--quilt", self.quilt.is_some()), ("--display", self.display.is_some()), ("--cone", self.cone.is_some())];
+        options.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
+    }
+
+    /// Checks that a quilt's views look through one screen.
+    pub(super) fn check(&self, subject: &Subject) -> Result<(), Usage> {
+        match (self.name(), subject.other_projection()) {
+            (Some(name), Some(other)) => {
+                Err(Usage(format!("{name} and {other} exclude each other: the views look through one screen")))
+            }
+            _ => Ok(()),
         }
     }
 
@@ -113,13 +136,21 @@ impl QuiltArguments {
         self.display.map_or_else(|| subject.clone(), |display| subject.sized(display.square()))
     }
 
-    /// Returns the eyes of `count` views, and moves a quilt's screen to the subject unless an option sets it.
+    /// Returns the eyes of `count` views, and moves a quilt's screen to the subject unless an option sets it. The
+    /// cameras of a path have screens of their own.
     ///
     /// # Errors
     /// Fails if eyes on a cone would look at a screen at infinity.
-    pub(super) fn fan(&self, count: u32, subject: &Subject, stage: &mut Stage) -> Result<Fan, Box<dyn Error>> {
-        let is_quilt = self.quilt.is_some() || self.display.is_some();
+    pub(super) fn fan(
+        &self,
+        count: u32,
+        subject: &Subject,
+        stage: &mut Stage,
+        has_path: bool,
+    ) -> Result<Fan, Box<dyn Error>> {
+        let is_quilt = self.grid().is_some();
         if is_quilt
+            && !has_path
             && !(subject.screen_is_said() || subject.comfort_is_said() || subject.is_builtin())
             && let Some(distance) = subject_distance(stage)?
         {
@@ -133,7 +164,8 @@ impl QuiltArguments {
         let usual = (is_quilt && !subject.interaxial_is_said()).then_some(CONE);
         let fan = Fan { count, cone: self.cone.or(usual), display: self.display };
         if fan.cone.is_some() && stage.camera.pose()?.screen_distance.is_infinite() {
-            return Err(Usage("--cone: the views need a screen at a finite distance; give --screen".into()).into());
+            let name = self.name().unwrap_or("--cone");
+            return Err(Usage(format!("{name}: the cone of views needs a --screen at a finite distance")).into());
         }
         Ok(fan)
     }
@@ -205,8 +237,7 @@ pub(super) fn count_of(grid: Option<[u32; 2]>, asked: Option<u32>, usual: u32) -
     let Some([columns, rows]) = grid else { return Ok(asked.unwrap_or(usual)) };
     match asked {
         Some(count) if count != columns * rows => {
-            let views = counted(count, "view", "views");
-            Err(Usage(format!("a quilt of {columns}x{rows} is not filled by {views}")))
+            Err(Usage(format!("--views {count}: a quilt of {columns}x{rows} has {} views", columns * rows)))
         }
         _ => Ok(columns * rows),
     }
@@ -217,6 +248,21 @@ mod tests {
     use stereotrace::glam::Vec3;
 
     use super::*;
+
+    #[test]
+    fn a_grid_has_columns_and_rows_of_at_most_1024_views() {
+        assert_eq!(grid("8x6"), Ok([8, 6]));
+        for (text, expected) in [
+            ("9", "it must be like 8x6"),
+            ("-1x3", "it must be like 8x6"),
+            ("8x", "it must be like 8x6"),
+            ("0x3", "it must have 1 to 1024 views"),
+            ("1025x1", "it must have 1 to 1024 views"),
+            ("65536x65536", "it must have 1 to 1024 views"),
+        ] {
+            assert_eq!(grid(text), Err(expected.into()), "{text}");
+        }
+    }
 
     #[test]
     fn views_of_displays_have_their_shape_and_their_pixels() {

@@ -30,7 +30,7 @@ use crate::{
     record, shown,
     stop::{Interrupted, Stop},
     summary::Summary,
-    target::{EyesArguments, is_open_exr},
+    target::{EyesArguments, check_one_picture, is_open_exr},
     truth::{add_flow, add_truth_of},
     usage::Usage,
 };
@@ -86,21 +86,25 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
-    let grid = arguments.quilt.grid()?;
+    let grid = arguments.quilt.grid();
     arguments.check(grid.is_some())?;
     let names = Names::of(&arguments.out)?;
     if arguments.ground_truth && !matches!(names, Names::Folder(_)) {
         return Err(Usage(format!("--ground-truth: {} is not a folder", shown(&arguments.out))).into());
     }
-    if let Names::Film(paths) = &names {
-        ffmpeg::check(&paths.film)?;
+    match &names {
+        Names::Numbered { .. } if grid.is_some() => check_one_picture(&arguments.out)?,
+        Names::Film(paths) => ffmpeg::check(&paths.film)?,
+        _ => {}
     }
     let subject = arguments.quilt.sized(&arguments.subject);
     let mut stage = subject.open(Purpose::Pictures, global)?;
     let content = match grid {
         None => Content::Eyes(arguments.eyes.suiting(&stage.camera.pose()?)),
         Some([columns, rows]) => {
-            Content::Quilt([columns, rows], arguments.quilt.fan(columns * rows, &subject, &mut stage)?)
+            let has_path = arguments.motion.path.is_some();
+            let fan = arguments.quilt.fan(columns * rows, &subject, &mut stage, has_path)?;
+            Content::Quilt([columns, rows], fan, arguments.eyes.quality)
         }
     };
     let film = Film::of(arguments, &stage)?;
@@ -161,9 +165,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         let files = names.files(frame, &content);
         let mut batch = Batch::new();
         let written = match &content {
-            Content::Quilt(grid, fan) => {
+            Content::Quilt(grid, fan, quality) => {
                 let quilt = film.quilt(&mut stage, frame, *grid, fan, &mut progress)?;
-                Rendered::Quilt(quilt, arguments.eyes.quality).write(batch, &files)
+                Rendered::Quilt(quilt, *quality).write(batch, &files)
             }
             Content::Eyes(eyes) => {
                 let pair = picture(&mut stage, &film, frame, &mut progress)?;
@@ -239,6 +243,7 @@ impl Arguments {
             ("--packing", self.eyes.packing.is_some()),
             ("--swap", self.eyes.swap),
         ];
+        self.quilt.check(&self.subject)?;
         if let Some((name, _)) = of_pairs.into_iter().find(|(_, given)| is_quilt && *given) {
             return Err(Usage(format!("{name} is for pairs, not for quilts")));
         }

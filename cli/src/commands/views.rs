@@ -27,7 +27,7 @@ use crate::{
     progress::Progress,
     shown,
     summary::Summary,
-    target::{Target, add_picture},
+    target::{Target, add_picture, check_one_picture},
     truth::add_truth_of,
     usage::Usage,
 };
@@ -78,7 +78,8 @@ fn no_orbit(count: &str) -> Result<u32, String> {
 const VIEWS: u32 = 8;
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
-    let quilt_grid = arguments.quilt.grid()?;
+    let quilt_grid = arguments.quilt.grid();
+    arguments.quilt.check(&arguments.subject)?;
     let count = count_of(quilt_grid, arguments.views, VIEWS)?;
     let target = Target::of(&arguments.out)?;
     match &target {
@@ -88,13 +89,14 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         Target::File(file) if quilt_grid.is_none() && count * arguments.rows > 1 => {
             return Err(Usage(format!("{}: a file holds only one view; use a folder, or a quilt", shown(file))).into());
         }
-        _ => {}
+        Target::File(file) => check_one_picture(file)?,
+        Target::Folder(_) => {}
     }
     let subject = arguments.quilt.sized(&arguments.subject);
     let mut stage = subject.open(Purpose::Pictures, global)?;
     let needs_ids = arguments.ground_truth || arguments.compare;
     stage.options.g_buffer = if needs_ids { GBuffer::Ids } else { GBuffer::Depth };
-    let fan = arguments.quilt.fan(count, &subject, &mut stage)?;
+    let fan = arguments.quilt.fan(count, &subject, &mut stage, false)?;
     let rigs = rigs(&stage, &fan, arguments.rows)?;
     let begin = Instant::now();
     let mut progress = Progress::new(global, arguments.rows);
@@ -279,8 +281,7 @@ impl Seen {
         let ([width, height], e, px) = (pose.size, pose.interaxial, pose.interaxial_px);
         let cone = fan.cone.map_or(String::new(), |degrees| format!(", {degrees} degrees from first to last"));
         line(text, "camera", format!("{width}x{height}, neighbours {e:.4} apart ({px:.2} px){cone}"))?;
-        let screen = pose.screen_distance;
-        line(text, "focus", format!("{screen:.4} from the eyes; {}", sharp(pose)))?;
+        line(text, "focus", focus(pose))?;
         if let (Some(seen), Some([front, back])) = (self.0, self.parallax(pose)) {
             line(text, "depth", format!("surfaces from {:.4} to {:.4}", seen.nearest, seen.farthest))?;
             let percent = 100.0 / pose.size[0] as f32;
@@ -292,14 +293,15 @@ impl Seen {
     }
 }
 
-/// Returns a phrase for the depths at which neighbours differ by at most a pixel, so that a display shows no steps.
-fn sharp(pose: &Pose) -> String {
+/// Returns the screen's distance, and the depths at which neighbours differ by at most a pixel, so that a display shows
+/// no steps.
+fn focus(pose: &Pose) -> String {
     let (px, d) = (pose.interaxial_px, pose.screen_distance);
-    match (d.is_infinite(), px > 1.0) {
-        (true, _) => "the views are parallel".into(),
-        (false, false) => format!("sharp from {:.4} on", d / (1.0 + 1.0 / px)),
-        (false, true) => format!("sharp from {:.4} to {:.4}", d / (1.0 + 1.0 / px), d / (1.0 - 1.0 / px)),
+    if d.is_infinite() {
+        return "the views are parallel".into();
     }
+    let near = format!("{d:.4} from the eyes; sharp from {:.4}", d / (1.0 + 1.0 / px));
+    if px > 1.0 { format!("{near} to {:.4}", d / (1.0 - 1.0 / px)) } else { format!("{near} on") }
 }
 
 /// Difference between the views and the views of `naive`.
