@@ -1,6 +1,7 @@
 #!/bin/sh
-# Writes a VR photo, a film of both eyes, and films of 360 and 180 degrees, and reads their metadata back by exiftool and
-# ffprobe. The films all around are made by the lines in docs/FORMATS.md. Needs apt-get where FFmpeg, mkvtoolnix or exiftool are not there.
+# Writes a VR photo, films of both eyes, of quilts, and of 360 and 180 degrees. Reads their metadata back by exiftool
+# and ffprobe. The films all around are made by the lines in docs/FORMATS.md. Needs apt-get where FFmpeg, mkvtoolnix or
+# exiftool are not there.
 #   sh scripts/check_panorama.sh
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
@@ -47,7 +48,9 @@ for line in width=92 height=50 nb_frames=2; do expect "$told" "$line"; done
 mkvpropedit -q film.mkv --edit track:v1 --set projection-type=1
 ffmpeg -loglevel error -i film.mkv -c copy -strict unofficial film_360_TB.mp4
 told=$(ffprobe -loglevel error -show_streams film_360_TB.mp4)
-for line in width=128 height=128 'type=top and bottom' inverted=0 projection=equirectangular; do expect "$told" "$line"; done
+for line in width=128 height=128 'type=top and bottom' inverted=0 projection=equirectangular; do
+    expect "$told" "$line"
+done
 
 "$command" sequence builtin:hall --quiet --projection 180 --size 64x64 --orbit 3 --fps 30 --out half.mkv
 mkvpropedit -q half.mkv --edit track:v1 --set projection-type=1 \

@@ -39,20 +39,25 @@ impl Stop {
 
 /// Error of a run that a signal ended early.
 #[derive(Debug)]
-pub(crate) struct Interrupted {
-    pub(crate) done: usize,
-    pub(crate) of: usize,
-    /// Whether the same command can render the remaining pictures.
-    pub(crate) can_go_on: bool,
+pub(crate) enum Interrupted {
+    /// Nothing that was made is of use to another run.
+    AtAll,
+    /// The same command can make the remaining ones of so many pairs or pictures, as `many` calls them.
+    After { done: usize, of: usize, many: &'static str },
+    /// All pictures are there, and the same command can make the film of them.
+    InFilm,
 }
 
 impl fmt::Display for Interrupted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if !self.can_go_on {
-            return f.write_str("interrupted");
+        match self {
+            Self::AtAll => f.write_str("interrupted"),
+            Self::After { done, of, many } => {
+                let advice = "run the same command again to make the rest";
+                write!(f, "interrupted after {done} of {of} {many}; {advice}")
+            }
+            Self::InFilm => f.write_str("interrupted while FFmpeg made the film; run the same command again"),
         }
-        let advice = "run the same command again to make the rest";
-        write!(f, "interrupted after {} of {} pairs; {advice}", self.done, self.of)
     }
 }
 

@@ -62,17 +62,17 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
-/// Checks that a signal ended the run and that the message says so. Returns the number of finished pairs in the
-/// message.
+/// Checks that a signal ended the run and that the message says so. Returns the number of finished pairs or
+/// pictures in the message.
 #[track_caller]
-fn interrupted(output: &Output, of: u32) -> usize {
+fn interrupted(output: &Output, of: u32, many: &str) -> usize {
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{said}");
     assert!(output.stdout.is_empty());
     let said = said.lines().last().unwrap_or_default();
     let count = said.strip_prefix("error: interrupted after ").and_then(|said| said.split_once(" of "));
     let (count, rest) = count.unwrap_or_else(|| panic!("{said}"));
-    assert_eq!(rest, format!("{of} pairs; run the same command again to make the rest"));
+    assert_eq!(rest, format!("{of} {many}; run the same command again to make the rest"));
     count.parse().unwrap()
 }
 
@@ -99,7 +99,7 @@ fn a_sequence_ends_after_the_picture_at_hand_and_goes_on_later() {
     let child = start(&command);
     wait_for("a picture", || out.join("left_0001.png").is_file());
     send("INT", &child);
-    let done = interrupted(&end_of(child), 9999);
+    let done = interrupted(&end_of(child), 9999, "pairs");
     // The folder has three pictures per pair and the record, but no temporary files.
     assert!(done >= 2);
     let found = files(&out);
@@ -107,6 +107,17 @@ fn a_sequence_ends_after_the_picture_at_hand_and_goes_on_later() {
     let rest = format!("0..{}", done + 1);
     let said = printed(&[&command[..], &["--frames", &rest]].concat());
     assert!(said.starts_with("1 pair in ") && said.contains(&format!("; {done} already existed")), "{said}");
+}
+
+#[test]
+fn a_film_of_quilts_is_counted_in_pictures() {
+    let folder = Folder::new("interrupted_quilts");
+    let out = folder.file("film");
+    let small = ["builtin:spheres", "--size", "16x12", "--quilt", "2x1", "--orbit", "9999"];
+    let child = start(&[&["sequence"][..], &small, &["--out", out.to_str().unwrap()]].concat());
+    wait_for("a quilt", || out.join("quilt_0000.png").is_file());
+    send("INT", &child);
+    assert!(interrupted(&end_of(child), 9999, "pictures") >= 1);
 }
 
 #[test]
@@ -120,7 +131,7 @@ fn a_data_set_ends_after_the_pair_at_hand_and_goes_on_later() {
     let child = start(&command);
     wait_for("a pair", || lines() > 2);
     send("TERM", &child);
-    let done = interrupted(&end_of(child), 9999);
+    let done = interrupted(&end_of(child), 9999, "pairs");
     assert!(done >= 2 && lines() == done + 1, "{done} {}", lines());
     let text = fs::read_to_string(&manifest).unwrap();
     let mut expected = 1;

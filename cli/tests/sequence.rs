@@ -3,6 +3,8 @@
 mod common;
 
 use std::fs;
+#[cfg(unix)]
+use std::path::PathBuf;
 
 use common::{error_of, folder::Folder, printed, run};
 
@@ -232,40 +234,122 @@ case "$*" in
 esac
 "#;
 
+/// A folder with a program in place of `ffmpeg`, and the film that `sequence` makes by it.
+#[cfg(unix)]
+struct FilmFolder {
+    folder: Folder,
+    film: PathBuf,
+}
+
+#[cfg(unix)]
+impl FilmFolder {
+    /// A film whose name has a number format and, where files can be named so, no Unicode.
+    fn new(name: &str) -> Self {
+        use std::{ffi::OsStr, os::unix::ffi::OsStrExt};
+
+        let folder = Folder::new(name);
+        let own: &[u8] = if cfg!(target_os = "linux") { b"a 100%d \xff.mp4" } else { b"a 100%d.mp4" };
+        Self { film: folder.file("films_qs").join(OsStr::from_bytes(own)), folder }
+    }
+
+    /// Runs `sequence` with an `ffmpeg` of this version, which does `fault` before it writes a file. Returns the exit
+    /// status, and what the command prints to standard output and error.
+    fn made(&self, [version, fault]: [&str; 2], more: &[&str]) -> (i32, String, String) {
+        use std::{os::unix::fs::PermissionsExt, process::Command};
+
+        let program = self.folder.write("bin/ffmpeg", FFMPEG.replace("VERSION", version).replace("FAULT", fault));
+        fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+        let path = format!("{}:/usr/bin:/bin", self.folder.file("bin").display());
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stereotrace"));
+        command.args(["sequence", "--size", "16x12", "--out"]).arg(&self.film).args(more);
+        let output = command.env("PATH", path).env("NODEVICE_SELECT", "1").output().unwrap();
+        let [text, fault] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        (output.status.code().unwrap(), text, fault)
+    }
+
+    /// Returns the folder of the film's pictures.
+    fn frames(&self) -> PathBuf {
+        let mut name = self.film.file_name().unwrap().to_owned();
+        name.push(".frames");
+        self.film.with_file_name(name)
+    }
+
+    fn log(&self) -> Vec<String> {
+        let text = fs::read_to_string(self.folder.file("bin/log")).unwrap();
+        text.lines().map(str::to_owned).collect()
+    }
+}
+
+/// A version of `ffmpeg`, and that it has no fault.
+#[cfg(unix)]
+const GOOD: [&str; 2] = ["N-1-g2", ":"];
+
 #[cfg(unix)]
 #[test]
 fn films_are_made_by_ffmpeg_whole_or_not_at_all() {
-    use std::{os::unix::fs::PermissionsExt, process::Command};
+    let films = FilmFolder::new("ffmpeg");
+    let made =
+        |ffmpeg: [&str; 2], more: &[&str]| films.made(ffmpeg, &[&["builtin:spheres", "--orbit", "3"], more].concat());
+    let (status, _, old) = made(["3.4", ":"], &[]);
+    assert!(status == 1 && old.contains("films need FFmpeg 4 or newer; this is 3 (3.4)"), "{old}");
+    let (status, _, scene) = films.made(GOOD, &["nothing.obj"]);
+    assert!(status == 1 && scene.contains("nothing.obj: no such file"), "{scene}");
+    assert!(!films.frames().exists(), "no pictures were made");
+    for fps in ["0.001", "1e9"] {
+        let (status, _, fault) = made(GOOD, &["--fps", fps]);
+        assert!(status == 2 && fault.contains("a film has 0.01 to 1000 pictures per second"), "{fault}");
+    }
+    let pair = ["--packing", "side-by-side"];
+    let three_and_record = |what: &str| assert_eq!(fs::read_dir(films.frames()).unwrap().count(), 4, "{what}");
+    let (_, _, fault) = made(["n7.1", "echo half > \"$last\"; echo disk is full >&2; exit 1"], &pair);
+    assert!(fault.contains("ffmpeg failed (exit status: 1): disk is full") && !films.film.exists(), "{fault}");
+    three_and_record("after a fault");
+    let (status, _, fault) = made(["7", "echo half > \"$last\"; kill -INT $PPID; exit 255"], &pair);
+    assert_eq!((status, &*fault), (130, "error: interrupted while FFmpeg made the film; run the same command again\n"));
+    three_and_record("after a signal");
+    let (status, text, _) = made(GOOD, &[&pair[..], &["--fps", "12.5"]].concat());
+    assert!(status == 0 && text.starts_with("0 pairs in ") && text.contains(" has 3 pictures; its folder"), "{text}");
+    assert_eq!(fs::read(&films.film).unwrap(), b"film\n");
+    three_and_record("after a film");
+    let log = films.log();
+    let [.., encoded, wrapped] = &log[..] else { panic!("{log:?}") };
+    assert!(encoded.contains("-framerate 12.5 -start_number 0 -i frame_%04d.png -frames:v 3 "), "{encoded}");
+    assert!(encoded.contains("-vf crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,scale=out_color_matrix="), "{encoded}");
+    assert!(encoded.contains("frame-packing=3 ") && encoded.contains("stereo_mode=left_right "), "{encoded}");
+    assert!(wrapped.contains("-i film.mkv -c copy -strict unofficial "), "{wrapped}");
+    let (_, text, _) = made(GOOD, &[&pair[..], &["--swap", "--overwrite", "--json"]].concat());
+    let encoded = &films.log()[log.len()];
+    assert!(!encoded.contains("frame-packing"), "{encoded}");
+    let said: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(said["film"], films.film.to_string_lossy().as_ref());
+}
 
-    let folder = Folder::new("ffmpeg");
-    let film = folder.file("a 100%d.mp4");
-    let made = |version: &str, fault: &str, more: &[&str]| {
-        let program = folder.write("bin/ffmpeg", FFMPEG.replace("VERSION", version).replace("FAULT", fault));
-        fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
-        let path = format!("{}:/usr/bin:/bin", folder.file("bin").display());
-        let mut command = Command::new(env!("CARGO_BIN_EXE_stereotrace"));
-        command.args([&SMALL[..], &["3", "--out", film.to_str().unwrap()], more].concat());
-        let output = command.env("PATH", path).env("NODEVICE_SELECT", "1").output().unwrap();
-        [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap())
+#[cfg(unix)]
+#[test]
+fn a_film_is_replaced_by_the_whole_sequence_or_on_request() {
+    let films = FilmFolder::new("replaced");
+    let made =
+        |more: &[&str]| films.made(GOOD, &[&["builtin:spheres", "--orbit", "3", "--quilt", "2x1"], more].concat());
+    let (_, text, fault) = made(&["--frames", "0..2"]);
+    assert!(text.contains(" has 2 pictures"), "{fault}");
+    assert!(text.contains("players of quilts read the layout from a name that ends in _qs2x1a"), "{text}");
+    assert!(films.log()[0].contains("-vf scale=trunc(iw/2)*2:trunc(ih/2)*2:out_color_matrix="), "{:?}", films.log());
+    let kept = |more: &[&str]| {
+        fs::write(&films.film, "mine").unwrap();
+        let (status, _, fault) = made(more);
+        let reason = "it exists, and is not the whole film of these settings; use another name, or --overwrite";
+        assert!(status == 1 && fault.contains(reason), "{fault}");
+        assert_eq!(fs::read(&films.film).unwrap(), b"mine");
     };
-    let [_, old] = made("3.4", ":", &[]);
-    assert!(old.contains("films need FFmpeg 4 or newer; this is 3 (3.4)"), "{old}");
-    let [_, fault] = made("n7.1", "echo disk is full >&2; exit 1", &["--packing", "side-by-side"]);
-    assert!(fault.contains("ffmpeg failed (exit status: 1): disk is full") && !film.exists(), "{fault}");
-    let [text, _] = made("N-1-g2", ":", &["--packing", "side-by-side", "--fps", "12.5"]);
-    assert!(text.starts_with("0 pairs in ") && text.contains(" has 3 pictures; its folder"), "{text}");
-    assert_eq!(fs::read(&film).unwrap(), b"film\n");
-    let log = fs::read_to_string(folder.file("bin/log")).unwrap();
-    let lines = Vec::from_iter(log.lines());
-    assert!(lines[1].contains("-framerate 12.5 -start_number 0 -i ") && lines[1].contains("-frames:v 3 "), "{log}");
-    assert!(lines[1].contains("a 100%%d.mp4.frames/frame_%04d.png"), "{log}");
-    assert!(lines[1].contains("frame-packing=3 ") && lines[1].contains("stereo_mode=left_right "), "{log}");
-    assert!(lines[2].contains("film.mkv -c copy -strict unofficial "), "{log}");
-    let left = fs::read_dir(folder.file("a 100%d.mp4.frames")).unwrap().count();
-    assert_eq!(left, 4, "three pictures and their record");
-    made("7", ":", &["--packing", "side-by-side", "--swap", "--overwrite"]);
-    let log = fs::read_to_string(folder.file("bin/log")).unwrap();
-    assert!(log.lines().nth(3).is_some_and(|line| !line.contains("frame-packing")), "{log}");
+    kept(&["--frames", "0..2"]);
+    kept(&["--cone", "20"]);
+    let (_, text, fault) = made(&[]);
+    assert!(text.starts_with("1 quilt in ") && text.contains(" has 3 pictures"), "{fault}");
+    let (_, text, fault) = made(&["--frames", "1..2", "--overwrite"]);
+    assert!(text.contains(" has 1 picture"), "{fault}");
+    fs::remove_dir_all(films.frames()).unwrap();
+    kept(&[]);
+    assert!(!films.frames().exists());
 }
 
 #[test]

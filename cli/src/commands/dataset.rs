@@ -136,7 +136,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut made = 0;
     for &item in &pending {
         if stop.is_asked_for() {
-            return Err(Interrupted { done: made, of: pending.len(), can_go_on: true }.into());
+            return Err(Interrupted::After { done: made, of: pending.len(), many: "pairs" }.into());
         }
         // Another command may have rendered this pair already.
         if !manifest.has(item)? {

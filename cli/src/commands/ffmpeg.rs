@@ -4,8 +4,12 @@ use std::{error::Error, fs, io, ops::Range, path::Path, process::Command};
 
 use stereotrace::output::Packing;
 
-use super::names::FilmPaths;
-use crate::{shown, stop::Stop, target::EyesArguments};
+use super::names::{Content, FilmPaths};
+use crate::{
+    shown,
+    stop::{Interrupted, Stop},
+    target::EyesArguments,
+};
 
 /// Oldest major version of FFmpeg that is accepted.
 const OLDEST: u32 = 4;
@@ -13,14 +17,23 @@ const OLDEST: u32 = 4;
 const ENCODER: &str = "libx264";
 /// Quality of the films; 0 is lossless, 23 the encoder's default.
 const QUALITY: &str = "16";
-/// H.264 with 4:2:0 has even sides, so an odd side loses a pixel. Colours are those of sRGB.
-const FILTER: &str = "scale=trunc(iw/2)*2:trunc(ih/2)*2:out_color_matrix=bt709:out_range=tv,format=yuv420p";
+/// H.264 with 4:2:0 has even sides. Pairs lose the last row or column of an odd side. If they were scaled, packings
+/// that alternate rows, columns or pixels would mix both eyes.
+const CROPPED: &str = "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,scale=";
+/// Quilts with an odd side are scaled, since players divide a side by the number of views.
+const SCALED: &str = "scale=trunc(iw/2)*2:trunc(ih/2)*2:";
+/// Colours are those of sRGB.
+const COLORS: &str = "out_color_matrix=bt709:out_range=tv,format=yuv420p";
+/// Film in the folder of the pictures, before it is whole.
+const ENCODED: &str = "film.mkv";
+/// The same as MP4.
+const WRAPPED: &str = "film.mp4";
 /// Number of lines of FFmpeg's own message that an error repeats.
 const LINES: usize = 3;
 
 /// How a film marks the places of the views, for players and televisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Marking {
+struct Marking {
     /// Value of x264's option frame-packing.
     packing: u32,
     /// Value of Matroska's StereoMode, as FFmpeg names it.
@@ -29,7 +42,7 @@ pub(super) struct Marking {
 
 impl Marking {
     /// Returns the marking of pictures of both eyes, or `None` for pictures that players show as they are.
-    pub(super) fn of(eyes: &EyesArguments) -> Option<Self> {
+    fn of(eyes: &EyesArguments) -> Option<Self> {
         // Players expect the left view first.
         if eyes.swap {
             return None;
@@ -47,15 +60,17 @@ impl Marking {
 /// # Errors
 /// Fails if there is none, or if it is too old or lacks the encoder.
 pub(super) fn check(film: &Path) -> Result<(), String> {
-    let version = run(Command::new("ffmpeg").arg("-version")).map_err(|fault| format!("{}: {fault}", shown(film)))?;
+    let told = |options: &[&str]| {
+        run(Command::new("ffmpeg").args(options)).map_err(|fault| format!("{}: {fault}", shown(film)))
+    };
+    let version = told(&["-version"])?;
     // Versions of releases are like 5.1.9-0+deb12u1 or n7.1. Builds between releases have others, and are accepted.
     let name = version.split_whitespace().nth(2).unwrap_or_default();
     let major = name.trim_start_matches('n').split('.').next().and_then(|major| major.parse::<u32>().ok());
     if let Some(major) = major.filter(|major| *major < OLDEST) {
         return Err(format!("{}: films need FFmpeg {OLDEST} or newer; this is {major} ({name})", shown(film)));
     }
-    let encoders = run(Command::new("ffmpeg").args(["-hide_banner", "-encoders"]))?;
-    match encoders.split_whitespace().any(|word| word == ENCODER) {
+    match told(&["-hide_banner", "-encoders"])?.split_whitespace().any(|word| word == ENCODER) {
         true => Ok(()),
         false => Err(format!("{}: this FFmpeg ({name}) lacks the encoder {ENCODER}", shown(film))),
     }
@@ -66,46 +81,61 @@ pub(super) fn make(
     paths: &FilmPaths,
     numbers: &Range<u32>,
     fps: f32,
-    marking: Option<Marking>,
+    content: &Content,
     stop: &Stop,
 ) -> Result<(), Box<dyn Error>> {
-    let fault = |error: &dyn std::fmt::Display| format!("{}: {error}", shown(&paths.film));
-    let folder = std::path::absolute(&paths.folder).map_err(|error| fault(&error))?;
-    let encoded = folder.join("film.mkv");
-    let mut encode = ffmpeg();
-    encode.args(["-framerate", &fps.to_string(), "-start_number", &numbers.start.to_string(), "-i"]);
-    // A % in the folder's name is no number format.
-    let pattern = folder.to_string_lossy().replace('%', "%%");
-    encode.arg(Path::new(&pattern).join(FilmPaths::PATTERN)).args(["-frames:v", &numbers.len().to_string()]);
-    encode.args(["-vf", FILTER, "-c:v", ENCODER, "-crf", QUALITY]);
+    if stop.is_asked_for() {
+        return Err(Interrupted::InFilm.into());
+    }
+    let done = make_in_folder(paths, numbers, fps, content);
+    if done.is_err() {
+        for name in [ENCODED, WRAPPED] {
+            // It need not be there.
+            let _ = fs::remove_file(paths.folder.join(name));
+        }
+    }
+    match done {
+        // The signal ends FFmpeg too.
+        Err(_) if stop.is_asked_for() => Err(Interrupted::InFilm.into()),
+        other => other.map_err(|fault| format!("{}: {fault}", shown(&paths.film)).into()),
+    }
+}
+
+/// Makes the film in the folder of the pictures, and moves it to its place.
+fn make_in_folder(paths: &FilmPaths, numbers: &Range<u32>, fps: f32, content: &Content) -> Result<(), String> {
+    let (even, marking) = match content {
+        Content::Eyes(eyes) => (CROPPED, Marking::of(eyes)),
+        Content::Quilt(..) => (SCALED, None),
+    };
+    let mut encode = ffmpeg(&paths.folder);
+    encode.args(["-framerate", &fps.to_string(), "-start_number", &numbers.start.to_string()]);
+    encode.args(["-i", FilmPaths::PATTERN, "-frames:v", &numbers.len().to_string()]);
+    encode.args(["-vf", &format!("{even}{COLORS}"), "-c:v", ENCODER, "-crf", QUALITY]);
     encode.args(["-color_range", "tv", "-colorspace", "bt709", "-color_primaries", "bt709"]);
     encode.args(["-color_trc", "iec61966-2-1"]);
     if let Some(Marking { packing, mode }) = marking {
         encode.args(["-x264-params", &format!("frame-packing={packing}")]);
         encode.args(["-metadata:s:v:0", &format!("stereo_mode={mode}")]);
     }
-    let done = run(encode.arg(&encoded)).and_then(|_| match paths.is_matroska() {
-        true => fs::rename(&encoded, &paths.film).map_err(|error| error.to_string()),
-        false => {
-            // MP4's box st3d comes only from the StereoMode of another file.
-            let wrapped = folder.join("film.mp4");
-            let mut wrap = ffmpeg();
-            wrap.arg("-i").arg(&encoded).args(["-c", "copy", "-strict", "unofficial", "-movflags", "+faststart"]);
-            run(wrap.arg(&wrapped))?;
-            let moved = fs::rename(&wrapped, &paths.film).and_then(|()| fs::remove_file(&encoded));
-            moved.map_err(|error| error.to_string())
-        }
-    });
-    match done {
-        // The signal ends FFmpeg too.
-        Err(_) if stop.is_asked_for() => Err("interrupted while FFmpeg made the film; run the command again".into()),
-        other => other.map_err(|error| fault(&error).into()),
-    }
+    run(encode.arg(ENCODED))?;
+    let encoded = paths.folder.join(ENCODED);
+    let moved = if paths.is_matroska() {
+        fs::rename(&encoded, &paths.film)
+    } else {
+        // MP4's box st3d comes only from the StereoMode of another file.
+        let mut wrap = ffmpeg(&paths.folder);
+        wrap.args(["-i", ENCODED, "-c", "copy", "-strict", "unofficial", "-movflags", "+faststart", WRAPPED]);
+        run(&mut wrap)?;
+        fs::rename(paths.folder.join(WRAPPED), &paths.film).and_then(|()| fs::remove_file(&encoded))
+    };
+    moved.map_err(|error| error.to_string())
 }
 
-fn ffmpeg() -> Command {
+/// Returns a command that runs in the folder of the pictures. So names of folders, which need not be Unicode, are no
+/// part of its arguments.
+fn ffmpeg(folder: &Path) -> Command {
     let mut command = Command::new("ffmpeg");
-    command.args(["-hide_banner", "-nostdin", "-v", "error", "-y"]);
+    command.args(["-hide_banner", "-nostdin", "-v", "error", "-y"]).current_dir(folder);
     command
 }
 

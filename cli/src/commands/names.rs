@@ -16,7 +16,7 @@ use stereotrace::{
 use super::quilt::Fan;
 use crate::{
     shown,
-    target::{EyesArguments, Target, add_pair, add_picture},
+    target::{EyesArguments, Target, add_pair, add_picture, prepare_file},
     usage::Usage,
 };
 
@@ -50,10 +50,10 @@ impl FilmPaths {
 
     /// Returns the places for a name with the extension of a film.
     fn of(film: &Path) -> Option<Self> {
-        let name = film.file_name()?.to_string_lossy();
+        let mut name = film.file_name()?.to_owned();
+        name.push(".frames");
         let is_film = ["mp4", "mkv"].iter().any(|it| film.extension().is_some_and(|own| own.eq_ignore_ascii_case(it)));
-        let folder = film.with_file_name(format!("{name}.frames"));
-        (is_film && !film.is_dir()).then(|| Self { film: film.to_owned(), folder })
+        (is_film && !film.is_dir()).then(|| Self { film: film.to_owned(), folder: film.with_file_name(name) })
     }
 
     pub(super) fn is_matroska(&self) -> bool {
@@ -77,12 +77,13 @@ pub(super) enum Rendered<'a> {
 }
 
 impl Names {
+    /// Interprets the value of --out. The folder of a film's pictures is not made yet.
     pub(super) fn of(out: &Path) -> Result<Self, Usage> {
         if out.as_os_str() == "-" {
             return Ok(Self::Stdout);
         }
         if let Some(paths) = FilmPaths::of(out) {
-            Target::of(&paths.folder)?;
+            prepare_file(&paths.film)?;
             return Ok(Self::Film(paths));
         }
         let target = Target::of(out)?;
@@ -162,6 +163,12 @@ fn print_rgb(picture: &Picture) -> Result<(), String> {
     io::stdout().write_all(&rgb).map_err(|error| format!("standard output: {error}"))
 }
 
+/// Returns whether a folder has this record of its pictures' settings and inputs.
+pub(super) fn is_recorded(record: &Value, folder: &Path) -> bool {
+    let found = fs::read(folder.join(RECORD)).ok().and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
+    found.is_some_and(|found| found == *record)
+}
+
 /// Writes the record of the pictures' settings and inputs. If the folder has the same record, its pictures are kept.
 /// Pictures of another record are an error. With `overwrite` they are removed first, so that an interrupted sequence
 /// does not contain them.
@@ -171,10 +178,7 @@ pub(super) fn keep(
     overwrite: bool,
     there: impl FnOnce() -> Vec<PathBuf>,
 ) -> Result<(), Box<dyn Error>> {
-    let file = folder.join(RECORD);
-    let found = fs::read(&file).ok();
-    let same = found.as_ref().is_some_and(|bytes| serde_json::from_slice::<Value>(bytes).is_ok_and(|it| it == *record));
-    if same && !overwrite {
+    if is_recorded(record, folder) && !overwrite {
         return Ok(());
     }
     for picture in there().into_iter().filter(|picture| picture.exists()) {
@@ -184,5 +188,5 @@ pub(super) fn keep(
         }
         fs::remove_file(&picture).map_err(|error| format!("{}: {error}", shown(&picture)))?;
     }
-    Ok(write_whole(&file, format!("{record:#}\n").as_bytes())?)
+    Ok(write_whole(folder.join(RECORD), format!("{record:#}\n").as_bytes())?)
 }

@@ -28,9 +28,6 @@ use crate::{
     usage::Usage,
 };
 
-/// Error of a run that a signal ended.
-const INTERRUPTED: Interrupted = Interrupted { done: 0, of: 1, can_go_on: false };
-
 /// Interval at which --watch checks the files.
 const GLANCE: Duration = Duration::from_millis(250);
 
@@ -118,7 +115,7 @@ impl Job<'_> {
             }
             while changed() == before {
                 if self.stop.is_asked_for() {
-                    return Err(INTERRUPTED.into());
+                    return Err(Interrupted::AtAll.into());
                 }
                 thread::sleep(GLANCE);
             }
@@ -145,7 +142,7 @@ impl Job<'_> {
         };
         progress.clear();
         let pair = match pair {
-            Err(stereotrace::Error::Cancelled) => return Err(INTERRUPTED.into()),
+            Err(stereotrace::Error::Cancelled) => return Err(Interrupted::AtAll.into()),
             other => other?,
         };
         let wall = WallTimes { read: stage.read, build: stage.build, render: begin.elapsed() };
@@ -167,7 +164,7 @@ impl Job<'_> {
     /// # Errors
     /// Fails if a signal has asked the program to stop.
     fn check_stop(&self) -> Result<(), Interrupted> {
-        if self.stop.is_asked_for() { Err(INTERRUPTED) } else { Ok(()) }
+        if self.stop.is_asked_for() { Err(Interrupted::AtAll) } else { Ok(()) }
     }
 
     /// Returns the options of the frame.

@@ -4,7 +4,7 @@ use std::{
     error::Error,
     fmt::Write as _,
     fs,
-    ops::Range,
+    ops::{Range, RangeInclusive},
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -19,9 +19,9 @@ use stereotrace::{
 };
 
 use super::{
-    ffmpeg::{self, Marking},
+    ffmpeg,
     motion::{MOST, Motion, MotionArguments},
-    names::{Content, Names, Rendered, keep},
+    names::{Content, Names, Rendered, is_recorded, keep},
     quilt::{Fan, QuiltArguments},
 };
 use crate::{
@@ -30,7 +30,7 @@ use crate::{
     record, shown,
     stop::{Interrupted, Stop},
     summary::Summary,
-    target::{EyesArguments, check_one_picture, is_open_exr},
+    target::{EyesArguments, check_one_picture, is_open_exr, make_folder},
     truth::{add_flow, add_truth_of},
     usage::Usage,
 };
@@ -47,6 +47,8 @@ const BLOCK: u32 = 16;
 const FIRST_PATHS: u32 = 2;
 /// Memory for samples of earlier pictures in MiB, unless `--history` is given.
 const HISTORY: u32 = 1024;
+/// Pictures per second that a film may have.
+const FILM_FPS: RangeInclusive<f32> = 0.01..=1000.0;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
@@ -58,9 +60,12 @@ pub(crate) struct Arguments {
     /// A film's pictures are kept in a folder beside it, such as film.mp4.frames. A folder gets left_0000.png,
     /// right_0000.png and anaglyph_0000.png (or the --packing) of each pair, or quilt_0000.png. A name with a number,
     /// such as film/frame_%04d.png, gives one picture of each. - writes raw RGB pictures to standard output.
+    ///
+    /// An existing film is replaced only with --overwrite, or by the whole sequence if its folder has the same
+    /// settings.
     #[arg(long, short, value_name = "DIR|NAMES|FILM|-", default_value = "out")]
     out: PathBuf,
-    /// Replace existing pictures, also those of other settings
+    /// Replace existing pictures and films, also those of other settings
     #[arg(long)]
     overwrite: bool,
     /// Pictures per second of the film, and of the scene file's animation. Without --orbit or --path, the animation's
@@ -94,6 +99,11 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     }
     match &names {
         Names::Numbered { .. } if grid.is_some() => check_one_picture(&arguments.out)?,
+        Names::Film(_) if !FILM_FPS.contains(&arguments.fps) => {
+            let (least, most) = (FILM_FPS.start(), FILM_FPS.end());
+            let reason = format!("a film has {least} to {most} pictures per second");
+            return Err(Usage(format!("--fps {}: {reason}", arguments.fps)).into());
+        }
         Names::Film(paths) => ffmpeg::check(&paths.film)?,
         _ => {}
     }
@@ -122,6 +132,14 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
             let mut record = record::of(&arguments.subject, &stage.scene, &settings)?;
             if let Some(playing) = &stage.playing {
                 record["animation_sha256"] = record::of_animation(&playing.animation).into();
+            }
+            if let Names::Film(paths) = &names {
+                let is_own = range == all && is_recorded(&record, folder);
+                if paths.film.exists() && !is_own && !arguments.overwrite {
+                    let reason = "it exists, and is not the whole film of these settings";
+                    return Err(format!("{}: {reason}; use another name, or --overwrite", shown(&paths.film)).into());
+                }
+                make_folder(folder)?;
             }
             let there = |frame: &u32| names.files(*frame, &content).iter().any(|file| file.exists());
             keep(&record, folder, arguments.overwrite, || {
@@ -152,7 +170,11 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut size = [0, 0];
     let mut last = None;
     for (done, &frame) in pending.iter().enumerate() {
-        let interrupted = || Interrupted { done, of: pending.len(), can_go_on: names != Names::Stdout };
+        let interrupted = || match (&names, grid) {
+            (Names::Stdout, _) => Interrupted::AtAll,
+            (_, None) => Interrupted::After { done, of: pending.len(), many: "pairs" },
+            (_, Some(_)) => Interrupted::After { done, of: pending.len(), many: "pictures" },
+        };
         if stop.is_asked_for() {
             return Err(interrupted().into());
         }
@@ -188,8 +210,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     progress.clear();
     let seconds = begin.elapsed().as_secs_f64();
     if let Names::Film(paths) = &names {
-        let marking = if let Content::Eyes(eyes) = &content { Marking::of(eyes) } else { None };
-        ffmpeg::make(paths, &range, film.fps, marking, &stop)?;
+        ffmpeg::make(paths, &range, film.fps, &content, &stop)?;
     }
 
     let (made, kept) = (pending.len(), range.len() - pending.len());
@@ -204,14 +225,12 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         let [width, height] = size;
         writeln!(text, "ffmpeg reads them with -f rawvideo -pixel_format rgb24 -video_size {width}x{height} -i -")?;
     }
-    if let Names::Film(paths) = &names {
-        let film = shown(&paths.film);
-        writeln!(
-            text,
-            "{film} has {}; its folder of pictures may be removed",
-            counted(range.len(), "picture", "pictures")
-        )?;
-        if let Some([columns, rows]) = grid.filter(|_| !film.contains("_qs")) {
+    let film_path = if let Names::Film(paths) = &names { Some(&paths.film) } else { None };
+    if let Some(film) = film_path {
+        let pictures = counted(range.len(), "picture", "pictures");
+        writeln!(text, "{} has {pictures}; its folder of pictures may be removed", shown(film))?;
+        let has_layout = film.file_stem().is_some_and(|stem| stem.to_string_lossy().contains("_qs"));
+        if let Some([columns, rows]) = grid.filter(|_| !has_layout) {
             writeln!(text, "players of quilts read the layout from a name that ends in _qs{columns}x{rows}aASPECT")?;
         }
     }
@@ -219,6 +238,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         "version": env!("CARGO_PKG_VERSION"),
         "adapter": stage.renderer.gpu().adapter_name(),
         "scene": stage.name,
+        "film": film_path.map(|film| film.to_string_lossy()),
         "frames": [range.start, range.end],
         "rendered": made,
         "kept": kept,
