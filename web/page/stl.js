@@ -3,6 +3,8 @@
 
 /** As many as the package reads from other files. */
 const MOST_TRIANGLES = 4 << 20;
+/** Maximum size of a text file, which takes several times its size while it is read. */
+const MOST_TEXT = 128 << 20;
 /** Bytes before the triangles of a binary file, and of each triangle. */
 const [HEAD, TRIANGLE] = [84, 50];
 
@@ -14,9 +16,11 @@ export function corners(bytes, name) {
     const file = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
     const count = bytes.length >= HEAD ? file.getUint32(80, true) : 0;
     const isBinary = bytes.length >= HEAD && bytes.length === HEAD + TRIANGLE * count;
-    // A triangle in text takes more than a hundred bytes.
-    if ((isBinary ? count : bytes.length / 100) > MOST_TRIANGLES) {
+    if (isBinary && count > MOST_TRIANGLES) {
         throw new Error(`${name}: it has more than ${MOST_TRIANGLES.toLocaleString("en")} triangles`);
+    }
+    if (!isBinary && bytes.length > MOST_TEXT) {
+        throw new Error(`${name}: it has more than ${MOST_TEXT / 2 ** 20} MiB of text; save it as a binary STL file`);
     }
     const found = isBinary ? binary(file, count) : text(new TextDecoder().decode(bytes));
     if (!found.length || found.length % 9 || !found.every(Number.isFinite)) {
@@ -38,6 +42,10 @@ function binary(file, count) {
 
 /** @param {string} file */
 function text(file) {
-    const vertices = file.matchAll(/^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)/gim);
-    return new Float32Array([...vertices].flatMap(([, ...values]) => values.map(Number)));
+    const found = [];
+    // No part of the pattern goes on into the next line, so that each line is looked at once.
+    for (const [, x, y, z] of file.matchAll(/^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)/gim)) {
+        found.push(Number(x), Number(y), Number(z));
+    }
+    return new Float32Array(found);
 }

@@ -12,10 +12,10 @@ const view = async (blob) => new DataView(await blob.arrayBuffer());
 
 /**
  * Returns the files of an archive, without folders and the files that macOS adds.
- * @param {File} archive @param {number} mostBytes of all files together
+ * @param {File} archive @param {number} mostBytes of all files together @param {AbortSignal} [signal]
  * @returns {Promise<{ path: string, file: File }[]>}
  */
-export async function unzipped(archive, mostBytes) {
+export async function unzipped(archive, mostBytes, signal) {
     /** @param {string} fault */
     const refuse = (fault) => {
         throw new Error(`${archive.name}: ${fault}; unpack it, and drop its files`);
@@ -29,8 +29,7 @@ export async function unzipped(archive, mostBytes) {
         tail.getUint32(end + 12, true),
         tail.getUint32(end + 16, true),
     ];
-    if (start === 0xffffffff || start + length > archive.size)
-        return refuse("its list of files is in another place than said");
+    if (start === 0xffffffff || start + length > archive.size) return refuse("its list of files can't be found");
     if (count > MOST_ENTRIES) return refuse(`it has ${count} files, and more than ${MOST_ENTRIES} are not read`);
     const list = await view(archive.slice(start, start + length));
     const found = [];
@@ -50,13 +49,15 @@ export async function unzipped(archive, mostBytes) {
         if (flags & 1) return refuse(`${path} is encrypted`);
         if (method !== STORED && method !== DEFLATED)
             return refuse(`${path} is compressed in a way that browsers can't read`);
-        if (bytes > mostBytes) return refuse(`its files have more than ${mostBytes / 2 ** 20} MiB in total`);
+        if (bytes > mostBytes)
+            return refuse(`its files have more than ${Math.floor(mostBytes / 2 ** 20)} MiB in total`);
         const header = await view(archive.slice(local, local + 30));
         if (header.byteLength < 30 || header.getUint32(0, true) !== LOCAL)
             return refuse(`${path} is not where the list says`);
         const begin = local + 30 + header.getUint16(26, true) + header.getUint16(28, true);
         const data = archive.slice(begin, begin + packed);
-        const content = method === STORED ? data : await inflated(data, size).catch(() => null);
+        const content = method === STORED ? data : await inflated(data, size, signal).catch(() => null);
+        signal?.throwIfAborted();
         if (content?.size !== size) return refuse(`${path} is damaged`);
         found.push({ path, file: new File([content], path) });
     }
@@ -65,9 +66,9 @@ export async function unzipped(archive, mostBytes) {
 
 /**
  * Decompresses data. Stops once there is more of it than the archive says.
- * @param {Blob} data @param {number} size
+ * @param {Blob} data @param {number} size @param {AbortSignal} [signal]
  */
-async function inflated(data, size) {
+async function inflated(data, size, signal) {
     const parts = [];
     let bytes = 0;
     const reader = data.stream().pipeThrough(new DecompressionStream("deflate-raw")).getReader();
@@ -75,7 +76,7 @@ async function inflated(data, size) {
         const { done, value } = await reader.read();
         if (done) return new Blob(parts);
         bytes += value.byteLength;
-        if (bytes > size) {
+        if (bytes > size || signal?.aborted) {
             await reader.cancel();
             return null;
         }
