@@ -3,14 +3,13 @@
 // @ts-check
 import { plot, tabulate } from "./chart.js";
 import { Engine } from "./client.js";
-import { embedded } from "./embed.js";
+import { embedded, heed } from "./embed.js";
 import { compared } from "./figures.js";
 import { dropped } from "./files.js";
-import { lookAhead } from "./gestures.js";
-import { share } from "./link.js";
+import { remember, share } from "./link.js";
 import { FIRST_SCENE, openFiles, openLinked, openScene } from "./models.js";
-import { shownAround } from "./picture.js";
-import { alone, ask, moved, show, stop } from "./render.js";
+import { draw, lookAhead, shownAround } from "./picture.js";
+import { alone, ask, moved, resized, show, stop } from "./render.js";
 import { VIEWS, around, label, seen, settings, view } from "./settings.js";
 import { download, element, engine, notice, state } from "./state.js";
 import { tiltable } from "./tilt.js";
@@ -61,7 +60,8 @@ for (const id of ["method", "size", "light", "projection"])
 for (const id of ["view", "glasses"])
     element(id).addEventListener("change", () => {
         label();
-        ask("show");
+        // In full screen, the size depends on the view.
+        ask(resized() ? "whole" : "show");
     });
 element("message").lastElementChild.addEventListener("click", () => notice(""));
 element("stop").addEventListener("click", () => void stop());
@@ -77,6 +77,7 @@ element("compare").addEventListener("click", () =>
         compared(await engine().ask("compare"));
         element("view").value = "difference";
         label();
+        remember();
         await show();
     }),
 );
@@ -114,7 +115,8 @@ element("measure").addEventListener("click", () =>
         element("plot").replaceChildren(plot(found));
         tabulate(found, element("chart").querySelector("table"));
         element("json").value = JSON.stringify(found, null, 1);
-        element("chart").scrollIntoView({ behavior: "smooth" });
+        const { matches: still } = matchMedia("(prefers-reduced-motion: reduce)");
+        element("chart").scrollIntoView({ behavior: still ? "auto" : "smooth" });
     }),
 );
 element("report").addEventListener("click", () =>
@@ -132,13 +134,15 @@ element("copy").addEventListener("click", async () => {
         element("copied").textContent = "copying failed; copy the selected text below";
     }
 });
-let resized = 0;
+let settling = 0;
 // On phones full screen may have the window's size.
 for (const event of ["resize", "fullscreenchange"]) {
     addEventListener(event, () => {
-        clearTimeout(resized);
-        resized = setTimeout(() => {
-            if (element("size").value === "auto") ask("whole");
+        clearTimeout(settling);
+        settling = setTimeout(() => {
+            // A phone's address bar changes the window's height, but rarely the picture's.
+            if (resized()) ask("whole");
+            else draw();
         }, 300);
     });
 }
@@ -206,4 +210,6 @@ function nothing(text) {
     document.documentElement.dataset.state = "nothing";
 }
 
-begin().catch((error) => nothing(error.message));
+begin()
+    .catch((error) => nothing(error.message))
+    .finally(heed);

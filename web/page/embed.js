@@ -5,7 +5,7 @@
 //                     { stereotrace: "error", message }
 // @ts-check
 import { cost } from "./figures.js";
-import { apply, values } from "./link.js";
+import { apply, linked, values } from "./link.js";
 import { openLinked } from "./models.js";
 import { ask } from "./render.js";
 import { element, notice, state } from "./state.js";
@@ -15,15 +15,20 @@ import { label } from "./settings.js";
 const host = parent === window ? null : parent;
 /** The host's origin, once it has sent a message. It alone receives answers. A host without an origin receives none. */
 let origin = "";
+/** The end of what the host has asked for. */
+let turn = Promise.resolve();
 
 /** @param {object} message */
 function answer(message) {
     if (origin && origin !== "null") host?.postMessage(message, origin);
 }
 
-/** Tells the host about a picture. @param {any} done */
+/** Tells the host what is wrong. @param {string} message */
+export const faulted = (message) => answer({ stereotrace: "error", message });
+
+/** Tells the host about a picture, but not of a model from this device. @param {any} done */
 export function told(done) {
-    answer({ stereotrace: "picture", values: Object.fromEntries(values()), cost: cost(done) });
+    if (linked()) answer({ stereotrace: "picture", values: Object.fromEntries(values()), cost: cost(done) });
 }
 
 /** Changes the shown view, and returns what is wrong with the values. @param {URLSearchParams} asked */
@@ -35,32 +40,41 @@ function set(asked) {
     return faults;
 }
 
-/** Begins to heed the host. */
+/** Whether values ask for another scene. @param {unknown} given */
+const opens = (given) => given instanceof Object && ("scene" in given || "model" in given);
+
+/** @param {unknown} given */
+async function heeded(given) {
+    if (state.fault) return faulted(state.fault);
+    if (!(given instanceof Object)) return faulted("values: it must be an object, with values as in the address");
+    const asked = new URLSearchParams(Object.entries(given).map(([name, value]) => [name, String(value)]));
+    const message = opens(given) ? await openLinked(asked) : set(asked);
+    if (message) faulted(message);
+}
+
+/** Prepares the page for its frame. */
 export function embedded() {
     if (!host) return;
     document.documentElement.classList.add("embedded");
     const link = element("whole-page");
     link.hidden = false;
     // The link leads to what is shown now.
-    link.addEventListener("pointerdown", () => {
-        link.href = location.href;
-    });
-    link.addEventListener("focus", () => {
-        link.href = location.href;
-    });
-    addEventListener("message", async ({ source, origin: from, data }) => {
+    for (const event of ["pointerdown", "focus"]) {
+        link.addEventListener(event, () => {
+            link.href = location.href;
+        });
+    }
+}
+
+/** Begins to heed the host, once there is a scene that it can change. */
+export function heed() {
+    if (!host) return;
+    addEventListener("message", ({ source, origin: from, data }) => {
         if (source !== host || data?.stereotrace !== "set") return;
         origin = from;
-        if (state.fault) return answer({ stereotrace: "error", message: state.fault });
-        if (typeof data.values !== "object" || data.values === null) {
-            return answer({
-                stereotrace: "error",
-                message: "values: it must be an object, with values as in the address",
-            });
-        }
-        const asked = new URLSearchParams(Object.entries(data.values).map(([name, value]) => [name, String(value)]));
-        const message = asked.has("scene") || asked.has("model") ? await openLinked(asked) : set(asked);
-        if (message) answer({ stereotrace: "error", message });
+        const { values } = data;
+        // Values wait for the scene that was asked for before. Another scene replaces it.
+        turn = (opens(values) ? Promise.resolve() : turn).then(() => heeded(values)).catch(console.error);
     });
     // This says nothing that is private, so that any host may receive it.
     host.postMessage({ stereotrace: "ready" }, "*");

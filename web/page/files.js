@@ -6,6 +6,10 @@ import { unzipped } from "./zip.js";
 const MOST_BYTES = 1 << 30;
 /** Maximum size of a file from an address, since a link may name a file that its reader did not choose. */
 const MOST_FETCHED = 256 << 20;
+/** Maximum size of what such a file is, once it is unpacked. */
+export const MOST_LINKED = 512 << 20;
+/** Time without a byte until a server is given up. */
+const PATIENCE_MS = 30_000;
 const SCENES = /\.(obj|gltf|glb|ply|stl)$/i;
 const ARCHIVE = /\.zip$/i;
 
@@ -38,13 +42,18 @@ async function inside(entry) {
 
 /**
  * Returns the source that the engine opens. Throws if the scene file is not clear.
- * @param {{ path: string, file: File }[]} given
+ * @param {{ path: string, file: File }[]} given @param {AbortSignal} [signal]
+ * @param {number} [most] bytes of all files together
  */
-export async function source(given) {
-    check(given);
-    const unpacked = given.map(async (one) => (ARCHIVE.test(one.path) ? unzipped(one.file, MOST_BYTES) : [one]));
-    const files = (await Promise.all(unpacked)).flat();
-    check(files);
+export async function source(given, signal, most = MOST_BYTES) {
+    check(given, most);
+    const files = [];
+    // One after the other, since all archives together may have so many bytes.
+    for (const one of given) {
+        if (ARCHIVE.test(one.path)) files.push(...(await unzipped(one.file, most - total(files), signal)));
+        else files.push(one);
+    }
+    check(files, most);
     const scenes = files.filter(({ path }) => SCENES.test(path));
     if (!scenes.length) {
         const names = files
@@ -64,27 +73,67 @@ export async function source(given) {
     return { files, main, name: main.replace(/^.*\//, "").replace(SCENES, "") };
 }
 
-/** @param {{ path: string, file: File }[]} files */
-function check(files) {
-    const bytes = files.reduce((sum, { file }) => sum + file.size, 0);
-    if (bytes <= MOST_BYTES) return;
-    const [found, most] = [Math.round(bytes / 2 ** 20), MOST_BYTES / 2 ** 20];
-    throw new Error(`the files have ${found} MiB in total; the page can open at most ${most} MiB`);
+/** @param {{ file: File }[]} files */
+const total = (files) => files.reduce((sum, { file }) => sum + file.size, 0);
+
+/** @param {{ file: File }[]} files @param {number} most */
+function check(files, most) {
+    const bytes = total(files);
+    if (bytes <= most) return;
+    const found = Math.round(bytes / 2 ** 20);
+    throw new Error(`the files have ${found} MiB in total; the page can open at most ${most / 2 ** 20} MiB`);
+}
+
+/** Returns an address, relative to the page's, or null. @param {string} text */
+function addressOf(text) {
+    try {
+        return new URL(text, location.href);
+    } catch {
+        return null;
+    }
+}
+
+/** Returns the name of a file in an address. @param {URL} address */
+function nameIn({ pathname }) {
+    const name = pathname.split("/").at(-1) ?? "";
+    try {
+        return decodeURIComponent(name);
+    } catch {
+        return name;
+    }
 }
 
 /**
  * Fetches a model that another page may read (CORS). Nothing that identifies the reader is sent.
- * @param {string} text an address, relative to the page's @param {(share: number) => void} tell
+ * @param {string} text an address, relative to the page's
+ * @param {AbortSignal} signal @param {(share: number) => void} tell
  */
-export async function fetched(text, tell) {
-    const address = URL.parse(text, location.href);
+export async function fetched(text, signal, tell) {
+    const address = addressOf(text);
     if (!address || !/^https?:$/.test(address.protocol)) throw new Error("it is no http or https address");
-    const name = decodeURIComponent(address.pathname.split("/").at(-1) ?? "");
+    const name = nameIn(address);
     if (!SCENES.test(name) && !ARCHIVE.test(name)) {
         throw new Error("the address must end in .obj, .gltf, .glb, .ply, .stl or .zip");
     }
-    const response = await fetch(address, { credentials: "omit", referrerPolicy: "no-referrer" }).catch(() => null);
-    if (!response) throw new Error("the server can't be reached, or does not let other pages read the file (CORS)");
+    const ending = new AbortController();
+    signal.addEventListener("abort", () => ending.abort());
+    /** Waits for a part of the answer. @param {Promise<any>} part @param {string} fault */
+    const waited = async (part, fault) => {
+        const timer = setTimeout(() => ending.abort(), PATIENCE_MS);
+        try {
+            return await part;
+        } catch {
+            signal.throwIfAborted();
+            const late = `the server sent nothing for ${PATIENCE_MS / 1000} seconds`;
+            throw new Error(ending.signal.aborted ? late : fault);
+        } finally {
+            clearTimeout(timer);
+        }
+    };
+    const response = await waited(
+        fetch(address, { credentials: "omit", referrerPolicy: "no-referrer", signal: ending.signal }),
+        "the server can't be reached, or does not let other pages read the file (CORS)",
+    );
     if (!response.ok || !response.body)
         throw new Error(`the server answered ${response.status} ${response.statusText}`.trim());
     const length = Number(response.headers.get("content-length"));
@@ -94,9 +143,7 @@ export async function fetched(text, tell) {
     let bytes = 0;
     const reader = response.body.getReader();
     for (;;) {
-        const { done, value } = await reader.read().catch(() => {
-            throw new Error("the connection ended early");
-        });
+        const { done, value } = await waited(reader.read(), "the connection ended early");
         if (done) break;
         parts.push(value);
         bytes += value.byteLength;

@@ -2,7 +2,7 @@
 // @ts-check
 import { remember } from "./link.js";
 import { limited, nearer, orbited, panned } from "./orbit.js";
-import { draw, head } from "./picture.js";
+import { draw, head, lookAhead } from "./picture.js";
 import { moved } from "./render.js";
 import { VIEWS, around } from "./settings.js";
 import { element, state } from "./state.js";
@@ -97,15 +97,6 @@ function zoom(factor) {
     if (!span) return steer((camera) => nearer(camera, factor));
     head.zoom(factor);
     look(0, 0, span);
-}
-
-/** Turns the head to where the planar camera looks. */
-export function lookAhead() {
-    if (!state.camera) return;
-    const { eye, target, up = [0, 1, 0] } = state.camera;
-    const way = target.map((value, axis) => value - eye[axis]);
-    const rise = way.reduce((sum, value, axis) => sum + value * up[axis], 0) / (Math.hypot(...way) * Math.hypot(...up));
-    head.reset(Math.asin(Math.max(-1, Math.min(1, rise))));
 }
 
 function reset() {

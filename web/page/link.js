@@ -1,7 +1,7 @@
 // A view is a link: its scene, camera and settings are in the page's address.
 // @ts-check
-import { head } from "./picture.js";
-import { distance, limited } from "./orbit.js";
+import { distance, limited, steep } from "./orbit.js";
+import { head, lookAhead } from "./picture.js";
 import { around } from "./settings.js";
 import { element, state } from "./state.js";
 
@@ -14,6 +14,8 @@ const SCALES = {
     samples: { out: (value) => value ** 2, in: Math.sqrt },
     d: { out: (value) => Number((2 ** value).toPrecision(4)), in: Math.log2 },
 };
+/** What the values of sliders for whole numbers are in the address. */
+const KINDS = { samples: "a square number", lights: "a whole number" };
 const DEGREES = 180 / Math.PI;
 
 /** Returns a field's usual value. @param {string} id @returns {string} */
@@ -37,9 +39,9 @@ function set(id, text) {
     const scale = SCALES[id] ?? { out: Number, in: Number };
     const number = text.trim() === "" ? NaN : scale.in(Number(text));
     const [least, most] = [field.min, field.max].map(Number);
-    const far = number < least - 1e-3 || number > most + 1e-3 || (id === "samples" && !Number.isInteger(number));
-    if (!Number.isFinite(number) || far) {
-        const kind = id === "samples" ? "a square number" : "a number";
+    const far = number < least - 1e-3 || number > most + 1e-3;
+    const kind = KINDS[id] ?? "a number";
+    if (!Number.isFinite(number) || far || (KINDS[id] && !Number.isInteger(number))) {
         return `${id}=${text}: it must be ${kind} from ${scale.out(least)} to ${scale.out(most)}.`;
     }
     field.value = number;
@@ -60,7 +62,9 @@ function numbers(text, count) {
  */
 export function apply(values) {
     const faults = FIELDS.filter((id) => values.has(id)).map((id) => set(id, values.get(id) ?? ""));
-    faults.push(sized(values.get("size")), placed(values.get("camera")), turned(values.get("head")));
+    faults.push(sized(values.get("size")), placed(values.get("camera")));
+    if (values.has("camera") || values.has("projection")) lookAhead();
+    faults.push(turned(values.get("head")));
     return faults.filter(Boolean);
 }
 
@@ -87,6 +91,7 @@ function placed(text) {
     if (!rest.length || distance({ eye, target }) === 0) {
         return `camera=${text}: it must be six numbers, the eyes' place and another place that they look at.`;
     }
+    if (steep({ ...own, eye, target })) return `camera=${text}: it must not look straight up or down.`;
     // All lengths scale with the distance.
     const factor = distance({ eye, target }) / distance(own);
     const [interaxial, screenDistance] = [own.interaxial ?? 1, own.screenDistance ?? 1].map(
@@ -149,16 +154,24 @@ export function link() {
 }
 
 let timer = 0;
+/** The link that was shared last. */
+let shared = "";
 /** Puts the shown view into the page's address, once nothing moves. */
 export function remember() {
     clearTimeout(timer);
-    timer = setTimeout(() => history.replaceState(null, "", link()), REMEMBER_MS);
+    timer = setTimeout(() => {
+        const url = link();
+        history.replaceState(null, "", url);
+        if (url === shared) return;
+        element("shared").textContent = "";
+        element("link").hidden = true;
+    }, REMEMBER_MS);
 }
 
 /** Shares the link: by the system's own means on phones, else by the clipboard. */
 export async function share() {
     const told = element("shared");
-    const url = link();
+    const url = (shared = link());
     const without = linked() ? "" : " Your model stays on this device: the link has only the settings.";
     try {
         if (navigator.share && matchMedia("(pointer: coarse)").matches) {

@@ -1,64 +1,114 @@
 // Opens scenes: built-in ones, files from this device, and a model from an address.
 // @ts-check
-import { fetched, source as sourceOf } from "./files.js";
-import { lookAhead } from "./gestures.js";
-import { apply, sized } from "./link.js";
-import { ask, cleared, replaced } from "./render.js";
-import { label, size } from "./settings.js";
-import { element, engine, notice, say, state } from "./state.js";
+import { faulted } from "./embed.js";
+import { MOST_LINKED, fetched, source as sourceOf } from "./files.js";
+import { apply, linked, sized } from "./link.js";
+import { lookAhead } from "./picture.js";
+import { again, ask, holds, proceed, read, replaced } from "./render.js";
+import { label } from "./settings.js";
+import { element, notice, say, state } from "./state.js";
 
 /** The scene of an address that names none. */
 export const FIRST_SCENE = "hall";
+/** Number of times that the engine is restarted before a picture succeeds. */
+const MOST_RESTARTS = 2;
 
-/** Number of scenes that were asked for, and of those that are not open yet. */
-let [asked, waiting] = [0, 0];
+/** The request for a scene that has not ended yet. A newer one aborts it. */
+let request = /** @type {AbortController | null} */ (null);
 
 /** Whether another scene is being opened. */
-export const opening = () => waiting > 0;
+export const opening = () => request !== null;
+
+/**
+ * Carries out a request for a scene. If it fails, the scene before is shown again.
+ * @param {(signal: AbortSignal) => Promise<string>} work it returns what is wrong with the request's values
+ */
+async function requested(work) {
+    request?.abort();
+    const mine = (request = new AbortController());
+    try {
+        return await work(mine.signal);
+    } catch (error) {
+        if (error.name !== "AbortError") console.error(error);
+        return mine.signal.aborted ? "" : await unopened(error, mine.signal);
+    } finally {
+        if (request === mine) {
+            request = null;
+            say("");
+            proceed();
+        }
+    }
+}
+
+/** Says why a scene was not opened, and returns it. @param {any} error @param {AbortSignal} signal */
+async function unopened(error, signal) {
+    let text = error.name === "AbortError" ? "" : words(error);
+    let lasts = false;
+    try {
+        lasts = await restored(signal);
+    } catch (worse) {
+        if (signal.aborted) return "";
+        // The engine has no scene.
+        state.camera = null;
+        text = words(worse);
+    }
+    if (text) notice(text, { lasts });
+    return text;
+}
+
+/** Shows the scene before again, and returns whether it has to be rendered. @param {AbortSignal} signal */
+async function restored(signal) {
+    const { source } = state.open;
+    if (source && !holds(source)) await read(source, signal);
+    signal.throwIfAborted();
+    element("scene").value = source?.builtin ?? "";
+    return again();
+}
+
+/** Gives up the scene that is being opened. */
+export const givenUp = () =>
+    requested(async (signal) => {
+        await restored(signal);
+        return "";
+    });
+
+/** Opens the scene again in a new engine. Nothing is rendered until something changes. */
+export const reopened = () =>
+    requested(async (signal) => {
+        if (state.open.source) await read(state.open.source, signal);
+        return "";
+    });
 
 /**
  * Opens a scene, with the values of a link. Only the newest of several requests is opened.
  * @param {any} source @param {URLSearchParams} [values] @returns {Promise<string>} what is wrong with them
  */
-export async function openScene(source, values = new URLSearchParams()) {
-    const mine = ++asked;
-    waiting += 1;
-    const before = state.open;
-    const { dataset } = document.documentElement;
-    const shown = dataset.state;
-    try {
-        if (state.fault) throw new Error(`The scene can't be shown. ${state.fault}`);
-        say("reading…");
-        dataset.state = "opening";
-        await cleared();
-        if (mine !== asked) return "";
-        sized(values.get("size"));
-        const { camera, info, warnings } = await engine().ask("open", { source, size: size() });
-        // On a software adapter the first picture by paths takes a minute.
-        const light = info.physicallyBased && !state.adapter.software ? "paths" : "direct";
-        state.open = { name: source.builtin ?? source.name, source, camera, light };
-        state.camera = camera;
-        element("light").value = light;
-        for (const id of ["e", "d", "lights"]) element(id).value = element(id).defaultValue;
-        element("scene").value = source.builtin ?? "";
-        notice("");
-        lookAhead();
-        const faults = apply(values).join("\n");
-        if (faults) notice(faults, { lasts: true });
-        describe(info, warnings);
-        label();
-        ask("whole");
-        return faults;
-    } catch (error) {
-        // The previous scene is still open.
-        if (mine === asked) dataset.state = shown ?? "";
-        element("scene").value = before.source?.builtin ?? "";
-        await failed(error);
-        return error.name === "AbortError" ? "" : error.message;
-    } finally {
-        waiting -= 1;
-        if (mine === asked) say("");
-    }
+export const openScene = (source, values = new URLSearchParams()) =>
+    requested((signal) => opened(source, values, signal));
+
+/** @param {any} source @param {URLSearchParams} values @param {AbortSignal} signal */
+async function opened(source, values, signal) {
+    if (state.fault) throw new Error(`The scene can't be shown. ${state.fault}`);
+    say("reading…");
+    document.documentElement.dataset.state = "opening";
+    sized(values.get("size"));
+    const { camera, info, warnings } = await read(source, signal);
+    signal.throwIfAborted();
+    // On a software adapter the first picture by paths takes a minute.
+    const light = info.physicallyBased && !state.adapter.software ? "paths" : "direct";
+    state.open = { name: source.builtin ?? source.name, source, camera, light };
+    state.camera = camera;
+    element("light").value = light;
+    for (const id of ["e", "d", "lights"]) element(id).value = element(id).defaultValue;
+    element("scene").value = source.builtin ?? "";
+    notice("");
+    lookAhead();
+    const faults = apply(values).join("\n");
+    if (faults) notice(faults, { lasts: true });
+    describe(info, warnings);
+    label();
+    ask("whole");
+    return faults;
 }
 
 /** @param {any} info @param {string[]} warnings */
@@ -85,64 +135,69 @@ function describe(info, warnings) {
 }
 
 /** @param {{ path: string, file: File }[]} files */
-export async function openFiles(files) {
-    try {
+export const openFiles = (files) =>
+    requested(async (signal) => {
+        say("reading…");
         // Without an engine, the reason is said instead of what the files lack.
-        await openScene(state.fault ? {} : await sourceOf(files));
-    } catch (error) {
-        await failed(error);
-    }
-}
+        const source = state.fault ? {} : await sourceOf(files, signal);
+        return opened(source, new URLSearchParams(), signal);
+    });
 
 /**
  * Opens the scene that a link names: a model's address, a built-in scene, or the first one.
  * @param {URLSearchParams} values @returns {Promise<string>} what is wrong with them
  */
-export async function openLinked(values) {
-    const model = values.get("model");
-    const scenes = [...element("scene").options].map((option) => option.value);
-    const scene = values.get("scene") ?? FIRST_SCENE;
-    let fault = scenes.includes(scene)
-        ? ""
-        : `scene=${scene}: there is no such scene. The scenes are ${scenes.join(", ")}.`;
-    if (model) {
-        try {
-            say("fetching the model…");
-            const file = await fetched(model, (share) => say(`fetching the model… ${Math.round(100 * share)}%`));
-            return await openScene({ ...(await sourceOf([{ path: file.name, file }])), address: model }, values);
-        } catch (error) {
-            fault = `model=${model}: ${error.message}`;
-        } finally {
-            say("");
+export const openLinked = (values) =>
+    requested(async (signal) => {
+        const model = values.get("model");
+        const scenes = [...element("scene").options].map((option) => option.value);
+        const scene = values.get("scene") ?? FIRST_SCENE;
+        let fault = scenes.includes(scene)
+            ? ""
+            : `scene=${scene}: there is no such scene. The scenes are ${scenes.join(", ")}.`;
+        if (model) {
+            try {
+                say("fetching the model…");
+                const tell = (/** @type {number} */ share) => say(`fetching the model… ${Math.round(100 * share)}%`);
+                const file = await fetched(model, signal, tell);
+                const source = await sourceOf([{ path: file.name, file }], signal, MOST_LINKED);
+                return await opened({ ...source, address: model }, values, signal);
+            } catch (error) {
+                signal.throwIfAborted();
+                console.error(error);
+                fault = `model=${model}: ${words(error)}`;
+            }
         }
-    }
-    const others = await openScene({ builtin: scenes.includes(scene) ? scene : FIRST_SCENE }, values);
-    const faults = [fault, others].filter(Boolean).join("\n");
-    if (fault) notice(faults, { lasts: true });
-    return faults;
-}
-
-/** Opens the scene again in a new engine. */
-export async function reopened() {
-    const { source } = state.open;
-    try {
-        if (source) await engine().ask("open", { source, size: size() });
-    } catch (error) {
-        await failed(error);
-    }
-}
+        const builtin = scenes.includes(scene) ? scene : FIRST_SCENE;
+        // The address keeps the model, so that it can be loaded again.
+        const others = await opened(model ? { builtin, address: model } : { builtin }, values, signal);
+        const faults = [fault, others].filter(Boolean).join("\n");
+        if (fault) notice(faults, { lasts: true });
+        return faults;
+    });
 
 /** @param {any} error */
+const words = (error) =>
+    error.name === "RuntimeError"
+        ? `The engine stopped (${error.message}): it ran out of memory or has a defect.`
+        : error.message;
+
+/** Says why something was not rendered. @param {any} error */
 export async function failed(error) {
     if (error.name === "AbortError") return;
     console.error(error);
-    if (error.name !== "RuntimeError") return notice(error.message);
+    const text = words(error);
+    if (linked()) faulted(text);
+    if (error.name !== "RuntimeError") return notice(text);
     // The state of the engine's memory is unknown after such an error.
     replaced();
+    state.restarts += 1;
+    if (state.restarts > MOST_RESTARTS) {
+        state.camera = null;
+        return notice(`${text} It did so again after each restart. Choose another scene to try again.`, {
+            lasts: true,
+        });
+    }
     await openScene({ builtin: element("scene").options[0].value });
-    notice(
-        `The engine stopped (${error.message}): it ran out of memory or has a defect. ` +
-            "It was restarted with another scene.",
-        { lasts: true },
-    );
+    notice(`${text} It was restarted with another scene.`, { lasts: true });
 }

@@ -26,8 +26,20 @@ function turned(v, axis, angle) {
 
 /** Smallest angle between the view and the up direction. The horizon is undefined where they meet. */
 const LEAST_SLANT = 0.05;
+/** Part of that angle at which a camera from an address is refused. Addresses have rounded numbers. */
+const REFUSED = 0.98;
 /** Largest factor by which a camera comes nearer or goes farther than the scene's own camera. */
 const FARTHEST = 64;
+
+/** Returns the angle between the up direction and the way from the target to the eyes. @param {Camera} camera */
+const slantOf = ({ eye, target, up = [0, 1, 0] }) =>
+    Math.acos(Math.max(-1, Math.min(1, dot(unit(sub(eye, target)), unit(up)))));
+
+/** Whether a camera looks straight up or down, where no gesture could move it. @param {Camera} camera */
+export function steep(camera) {
+    const slant = slantOf(camera);
+    return Math.min(slant, Math.PI - slant) < REFUSED * LEAST_SLANT;
+}
 
 /**
  * Moves the eyes around the target, to their right and upwards, in radians.
@@ -36,7 +48,7 @@ const FARTHEST = 64;
 export function orbited(camera, right, up) {
     const axis = unit(camera.up ?? [0, 1, 0]);
     const arm = sub(camera.eye, camera.target);
-    const slant = Math.acos(Math.max(-1, Math.min(1, dot(unit(arm), axis))));
+    const slant = slantOf(camera);
     const raised = Math.max(LEAST_SLANT, Math.min(Math.PI - LEAST_SLANT, slant - up)) - slant;
     const across = unit(cross(axis, arm));
     return { ...camera, eye: along(camera.target, turned(turned(arm, across, raised), axis, right), 1) };

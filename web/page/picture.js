@@ -2,7 +2,7 @@
 // @ts-check
 import { Head } from "./head.js";
 import { isPacked, size } from "./settings.js";
-import { element } from "./state.js";
+import { element, state } from "./state.js";
 
 const WIGGLE_MS = 180;
 
@@ -12,6 +12,16 @@ const marked = /** @type {HTMLCanvasElement} */ (element("traced"));
 const divider = element("divider");
 
 export const head = new Head();
+
+/** Turns the head to where the planar camera looks. */
+export function lookAhead() {
+    if (!state.camera) return;
+    const { eye, target, up = [0, 1, 0] } = state.camera;
+    const way = target.map((value, axis) => value - eye[axis]);
+    const rise = way.reduce((sum, value, axis) => sum + value * up[axis], 0) / (Math.hypot(...way) * Math.hypot(...up));
+    head.reset(Math.asin(Math.max(-1, Math.min(1, rise))));
+}
+
 /** The shown pictures, and a picture of the right pixels that were traced again, which is transparent elsewhere. */
 let images = /** @type {ImageBitmap[]} */ ([]);
 let traced = /** @type {ImageBitmap | null} */ (null);

@@ -4,9 +4,9 @@ import { Engine } from "./client.js";
 import { told } from "./embed.js";
 import { compared, figures, tell as tellCost } from "./figures.js";
 import { remember } from "./link.js";
-import { failed, opening, reopened } from "./models.js";
+import { failed, givenUp, opening, reopened } from "./models.js";
 import { put, shownAround } from "./picture.js";
-import { PATHS, label, light, marks, renderedSize, seen, settings } from "./settings.js";
+import { PATHS, label, light, marks, renderedSize, seen, settings, size } from "./settings.js";
 import { element, engine, notice, say, state, succeeded } from "./state.js";
 
 /** Maximum time of a frame while something is dragged, in milliseconds. */
@@ -22,6 +22,13 @@ let running = /** @type {"draft" | "whole" | "refine" | "other" | null} */ (null
 let refining = false;
 /** Whether a task waits for the engine, or uses it. */
 let paused = false;
+/** Number of scenes that the engine opens, or that wait for it. */
+let reading = 0;
+/** What is open in which engine. */
+let held = {
+    engine: /** @type {Engine | null} */ (null),
+    source: /** @type {any} */ (null),
+};
 let settle = 0;
 /** Milliseconds per pixel of the last frame. */
 let pixelMs = 0;
@@ -29,6 +36,13 @@ let pixelMs = 0;
 let lost = 0;
 /** Whether the engine has a pair that it can show. */
 let drawn = false;
+/** Size of the last picture, before it was scaled for a draft. */
+let rendered = "";
+
+/** Says what is being rendered. What is said about a scene that is being opened stays there. @param {string} text */
+function tell(text) {
+    if (!opening()) say(text);
+}
 
 /** Asks for a draft soon, and for a whole picture once nothing moves. */
 export function moved() {
@@ -50,8 +64,22 @@ export function ask(what) {
     if (running === null) void work();
 }
 
+/** Whether a picture would have another size than the last one. */
+export const resized = () => String(renderedSize()) !== rendered;
+
+/** Asks for a picture if there is none of the open scene, and returns whether there is none. */
+export function again() {
+    if (!drawn) ask("whole");
+    return !drawn;
+}
+
+/** Goes on with what was asked for while a scene was being opened. */
+export function proceed() {
+    if (running === null) void work();
+}
+
 async function work() {
-    while (!paused && (wish || refining)) {
+    while (!paused && !reading && (wish || refining)) {
         const what = wish ?? "refine";
         wish = null;
         running = what === "show" ? "other" : what;
@@ -78,35 +106,73 @@ async function idle(most) {
     return !running;
 }
 
-/** Ends the current work, and returns whether the engine had to be replaced. Its scene is then to be opened again. */
-async function ended() {
+/**
+ * Ends the current work, and returns whether the engine had to be replaced. Its scene is then to be opened again.
+ * @param {AbortSignal} [signal] of who waits
+ */
+async function ended(signal) {
     wish = null;
     refining = false;
     clearTimeout(settle);
     if (!running) return false;
     engine().stop();
-    if (await idle(STOP_MS)) return false;
+    if ((await idle(STOP_MS)) || signal?.aborted) return false;
     replaced();
     await idle(Infinity);
     return true;
 }
 
-/** Returns once the engine can open another scene. */
-export async function cleared() {
-    await ended();
-    drawn = false;
+/** Whether the engine has a scene. @param {any} source */
+export const holds = (source) => held.engine === state.engine && held.source === source;
+
+/**
+ * Opens a scene in the engine, once nothing else is done there.
+ * @param {any} source @param {AbortSignal} signal
+ */
+export async function read(source, signal) {
+    reading += 1;
+    try {
+        await ended(signal);
+        signal.throwIfAborted();
+        return await handed(source);
+    } finally {
+        reading -= 1;
+    }
+}
+
+/** Hands a scene to the engine. An engine that stops over it is replaced. @param {any} source */
+async function handed(source) {
+    const before = held;
+    const now = { engine: state.engine, source: null };
+    [running, drawn, held] = ["other", false, now];
+    try {
+        const found = await engine().ask("open", { source, size: size() });
+        now.source = source;
+        return found;
+    } catch (error) {
+        // The scene before is still open.
+        held = before;
+        if (error.name === "RuntimeError") replaced();
+        throw error;
+    } finally {
+        running = null;
+    }
 }
 
 /** Replaces the engine by a new one, which has no scene. */
 export function replaced() {
     engine().end();
     state.engine = new Engine();
-    lost = 0;
-    drawn = false;
+    [wish, refining, drawn, lost] = [null, false, false, 0];
 }
 
 /** Stops whatever is being done, even a compilation. */
 export async function stop() {
+    if (opening()) {
+        await givenUp();
+        if (opening()) return;
+        return notice(`Opening was stopped.${state.camera ? "" : " Choose another scene."}`, { lasts: true });
+    }
     if (await ended()) void reopened();
     notice("Rendering was stopped. Change something to render again.");
 }
@@ -128,9 +194,10 @@ async function refine() {
 async function render(draft) {
     const { view, glasses, lights, options } = settings();
     const [width, height] = renderedSize();
+    rendered = String([width, height]);
     const scale = draft ? draftScale(width * height * options.samples) : 1;
     const text = !pixelMs ? "preparing the first picture" : "rendering";
-    const busy = setTimeout(() => say(`${text}…`), 400);
+    const busy = setTimeout(() => tell(`${text}…`), 400);
     const byPaths = element("light").value === "paths";
     const history = draft && width * height * scale ** 2 >= RECALLED.pixels ? RECALLED.history : null;
     const request = {
@@ -145,7 +212,7 @@ async function render(draft) {
     };
     const size = request.camera.size ?? [1, 1];
     try {
-        const done = await engine().ask("render", request, (share) => say(`${text}… ${Math.round(100 * share)}%`));
+        const done = await engine().ask("render", request, (share) => tell(`${text}… ${Math.round(100 * share)}%`));
         put(done, view, request.camera.projection ?? null);
         drawn = true;
         pixelMs = done.ms / (size[0] * size[1] * request.options.samples);
@@ -155,16 +222,15 @@ async function render(draft) {
         succeeded();
         if (done.lost > lost) notice("The graphics device was lost, and was opened again.");
         lost = done.lost;
-        if (!draft) {
-            tellCost(done);
-            told(done);
-        }
+        if (!draft) tellCost(done);
         // A picture that is already outdated is not the one that was asked for.
-        if (!opening() && (wish === null || wish === "show"))
+        if (!opening() && (wish === null || wish === "show")) {
             document.documentElement.dataset.state = draft ? "draft" : "whole";
+            if (!draft) told(done);
+        }
     } finally {
         clearTimeout(busy);
-        say("");
+        tell("");
     }
 }
 
@@ -196,18 +262,18 @@ export async function alone(text, task) {
     if (running) engine().stop();
     await idle(Infinity);
     running = "other";
-    say(`${text}…`);
+    tell(`${text}…`);
     const buttons = ["compare", "measure", "report", "save", "save-eyes", "quilt"].map(element);
     for (const button of buttons) button.disabled = true;
     try {
-        await task((share) => say(`${text}… ${Math.round(100 * share)}%`));
+        await task((share) => tell(`${text}… ${Math.round(100 * share)}%`));
     } catch (error) {
         void failed(error);
     } finally {
         running = null;
         paused = false;
         for (const button of buttons) button.disabled = false;
-        say("");
-        if (wish || refining) void work();
+        tell("");
+        proceed();
     }
 }

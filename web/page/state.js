@@ -11,6 +11,8 @@ export const state = {
     /** Why nothing can be rendered. */
     fault: "",
     adapter: { software: false },
+    /** Number of times that the engine was restarted since a picture succeeded. */
+    restarts: 0,
     /** The open scene. Its camera has the values that the sliders multiply. */
     open: { name: "", source: /** @type {any} */ (null), camera: /** @type {Camera | null} */ (null), light: "direct" },
     /** The current camera, before the sliders. */
@@ -41,6 +43,7 @@ export function notice(text, { lasts = false } = {}) {
 
 /** Removes a notice about something that has succeeded since. */
 export function succeeded() {
+    state.restarts = 0;
     if (!lasting) notice("");
 }
 

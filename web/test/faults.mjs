@@ -1,7 +1,5 @@
 // Tests what the page says and does when something is missing, lost or stopped.
 import assert from "node:assert/strict";
-import { readFile } from "node:fs/promises";
-import path from "node:path";
 import { address, choose, drop, opened, pixels, test, watched, whole } from "./tools.mjs";
 
 await test("a lost device is opened again, and that is said", async () => {
@@ -72,6 +70,69 @@ await test("Stop ends even a compilation, and so does another scene", async () =
     await page.selectOption("#scene", "random-20");
     await page.waitForFunction(() => document.querySelector("#about").textContent === "392 triangles, 20 other shapes");
     await whole(page);
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
+/** Replaces a part of engine.js. */
+const altered = (before, after) => (page) =>
+    page.route("**/engine.js", async (route) => {
+        const response = await route.fetch();
+        const text = await response.text();
+        assert.ok(text.includes(before));
+        await route.fulfill({ response, body: text.replace(before, after) });
+    });
+
+await test("a scene that is never open is given up by Stop, and replaced by another one", async () => {
+    const hang = altered(
+        "async open({ source, size }) {",
+        `async open({ source, size }) {
+            if (source.builtin === "random-20") await new Promise(() => {});`,
+    );
+    const { page, context, faults } = await opened("?scene=three-spheres&size=96x72&method=naive&view=left", {
+        prepare: hang,
+    });
+    await whole(page);
+    const before = JSON.stringify(await pixels(page));
+    await page.selectOption("#scene", "random-20");
+    await page.waitForFunction(() => !document.querySelector("#busy").hidden);
+    await page.click("#stop");
+    await page.waitForFunction(() => /Opening was stopped/.test(document.querySelector("#message p").textContent));
+    await whole(page);
+    assert.equal(await page.locator("#scene").inputValue(), "three-spheres");
+    assert.ok(JSON.stringify(await pixels(page)) === before, "another picture");
+    await page.selectOption("#scene", "random-20");
+    await page.waitForTimeout(300);
+    await page.selectOption("#scene", "fence");
+    await page.waitForFunction(() => document.documentElement.dataset.state === "whole");
+    assert.equal(await page.locator("#scene").inputValue(), "fence");
+    assert.equal(page.workers().length, 1);
+    assert.ok(await page.locator("#message").isHidden());
+    // A file that can't be read, while the engine hangs over another scene: the scene before comes back.
+    await page.selectOption("#scene", "random-20");
+    await page.waitForTimeout(300);
+    await drop(page, [{ name: "broken.obj", bytes: [...Buffer.from("v 0 0 0\nf 1 2 9\n")] }]);
+    await page.waitForFunction(() => /broken\.obj/.test(document.querySelector("#message p").textContent));
+    await whole(page);
+    assert.equal(await page.locator("#scene").inputValue(), "fence");
+    assert.match(await page.locator("#message p").innerText(), /broken\.obj/, "a picture does not hide this");
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
+await test("an engine that stops at each picture is restarted twice", async () => {
+    const stops = altered(
+        "async render({",
+        `async render() { throw new WebAssembly.RuntimeError("unreachable"); },
+        async unused({`,
+    );
+    const { page, context, faults } = await opened("?scene=three-spheres&size=96x72", { prepare: stops });
+    let engines = 0;
+    page.on("worker", () => (engines += 1));
+    await page.waitForFunction(() => /after each restart/.test(document.querySelector("#message p").textContent));
+    await page.waitForTimeout(500);
+    assert.ok(engines <= 4, `${engines} engines`);
+    assert.ok(await page.locator("#busy").isHidden());
     assert.deepEqual(faults, []);
     await context.close();
 });

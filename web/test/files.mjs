@@ -255,10 +255,14 @@ await test("STL files are opened, binary and as text", async () => {
 
 await test("a link opens a model from an address, and says why it can't", async () => {
     const glb = triangle();
+    const large = Buffer.from(zip("large.zip", [{ name: "a.obj", data: Buffer.from("v"), size: 768 << 20 }]).bytes);
+    const identifying = [];
     const server = http.createServer((request, response) => {
         const kind = request.url.slice(1).split("/")[0];
         const headers = kind === "closed" ? {} : { "access-control-allow-origin": "*" };
-        assert.equal(request.headers.cookie, undefined);
+        identifying.push(request.headers.cookie, request.headers.referer);
+        if (kind === "broken") return response.writeHead(200, headers).end("glTF\u0002 and nothing else");
+        if (kind === "packed") return response.writeHead(200, headers).end(large);
         if (kind === "none") return response.writeHead(404, headers).end();
         if (kind === "large") headers["content-length"] = 300 << 20;
         if (kind !== "endless") return response.writeHead(200, headers).end(kind === "large" ? undefined : glb);
@@ -272,13 +276,13 @@ await test("a link opens a model from an address, and says why it can't", async 
     });
     await new Promise((done) => server.listen(0, "127.0.0.1", done));
     const other = `http://127.0.0.1:${server.address().port}`;
-    const { page, context, faults } = await opened(
-        `?size=96x72&method=naive&view=left&model=${other}/open/triangle.glb`,
-    );
+    const { page, context, faults } = await opened(`?size=96x72&method=naive&view=left&model=${other}/open/100%.glb`, {
+        prepare: (_, context) => context.addCookies([{ name: "a", value: "b", url: other }]),
+    });
     await whole(page);
-    assert.equal(await page.locator("#about").innerText(), "triangle, 1 triangle");
+    assert.equal(await page.locator("#about").innerText(), "100%, 1 triangle");
     await page.waitForTimeout(600);
-    assert.equal(new URL(page.url()).searchParams.get("model"), `${other}/open/triangle.glb`);
+    assert.equal(new URL(page.url()).searchParams.get("model"), `${other}/open/100%.glb`);
     await context.close();
     const tries = [
         ["closed/triangle.glb", /does not let other pages read the file \(CORS\)/],
@@ -286,6 +290,8 @@ await test("a link opens a model from an address, and says why it can't", async 
         ["large/triangle.glb", /more than 256 MiB/],
         ["endless/triangle.glb", /more than 256 MiB/],
         ["open/triangle.txt", /must end in \.obj/],
+        ["broken/triangle.glb", /: triangle\.glb: /],
+        ["packed/large.zip", /its files have more than 512 MiB in total/],
     ];
     for (const [file, expected] of [
         ...tries.map(([file, expected]) => [`${other}/${file}`, expected]),
@@ -298,9 +304,39 @@ await test("a link opens a model from an address, and says why it can't", async 
         assert.match(text, expected);
         await whole(page);
         assert.equal(await page.locator("#scene").inputValue(), "hall", "another scene is shown instead");
+        await page.waitForTimeout(600);
+        assert.equal(new URL(page.url()).searchParams.get("model"), file, "a reload tries again");
         await context.close();
     }
+    assert.deepEqual([...new Set(identifying)], [undefined], "nothing identifies the reader");
     assert.deepEqual(faults, []);
+    server.closeAllConnections();
+    server.close();
+});
+
+await test("a model that comes late replaces nothing, and Stop gives it up", async () => {
+    const answers = [];
+    const server = http.createServer((_, response) => answers.push(response));
+    await new Promise((done) => server.listen(0, "127.0.0.1", done));
+    const model = `http://127.0.0.1:${server.address().port}/a.glb`;
+    const { page, context, faults } = await opened(`?size=96x72&method=naive&view=left&model=${model}`);
+    const fetching = () => page.waitForFunction(() => /fetching/.test(document.querySelector("#busy").textContent));
+    await fetching();
+    await page.selectOption("#scene", "three-spheres");
+    await whole(page);
+    for (const answer of answers) answer.writeHead(200, { "access-control-allow-origin": "*" }).end(triangle());
+    await page.waitForTimeout(600);
+    assert.equal(await page.locator("#about").innerText(), "0 triangles, 4 other shapes");
+    assert.ok(await page.locator("#message").isHidden());
+    await page.goto(`${new URL(page.url()).origin}/?size=96x72&method=naive&view=left&model=${model}`);
+    await fetching();
+    await page.click("#stop");
+    await page.waitForFunction(() => /Opening was stopped/.test(document.querySelector("#message p").textContent));
+    assert.ok(await page.locator("#busy").isHidden());
+    await page.selectOption("#scene", "three-spheres");
+    await whole(page);
+    assert.deepEqual(faults, []);
+    await context.close();
     server.closeAllConnections();
     server.close();
 });

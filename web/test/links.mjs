@@ -7,7 +7,7 @@ import { address, choose, opened, pixels, slide, test, whole } from "./tools.mjs
 const remembered = (page) => page.waitForTimeout(600);
 
 await test("the address follows the view, and leads back to it", async () => {
-    const { page, context, faults } = await opened("?size=96x72&scene=three-spheres&method=bracket");
+    const { page, context, faults } = await opened("?size=96x72&scene=three-spheres&method=bracket&view=slider&e=1");
     await whole(page);
     await remembered(page);
     const asked = () => Object.fromEntries(new URL(page.url()).searchParams);
@@ -92,6 +92,12 @@ await test("wrong values of an address are said, and the others are used", async
     // A picture that succeeds does not hide this.
     assert.match(await head.page.locator("#message p").innerText(), /head=1: it must be three numbers/);
     await head.context.close();
+    const above = await opened("?scene=three-spheres&size=96x72&camera=0,9,0.1,0,0,0&lights=2.5");
+    await whole(above.page);
+    const said = await above.page.locator("#message p").innerText();
+    assert.match(said, /camera=0,9,0\.1,0,0,0: it must not look straight up or down\./);
+    assert.match(said, /lights=2\.5: it must be a whole number from 0 to 8\./);
+    await above.context.close();
 });
 
 await test("a view is shared", async () => {
@@ -113,18 +119,24 @@ await test("a view is shared", async () => {
     await page.click("#share");
     await page.waitForFunction(() => !document.querySelector("#link").hidden);
     assert.equal(await page.locator("#link").inputValue(), link);
+    await choose(page, "view", "left");
+    await remembered(page);
+    assert.ok(await page.locator("#link").isHidden(), "it is the link to another view");
+    assert.equal(await page.locator("#shared").textContent(), "");
     await context.close();
 });
 
+/** Serves a page. */
+const site = (body) =>
+    new Promise((done) => {
+        const server = http.createServer((_, response) =>
+            response.writeHead(200, { "content-type": "text/html" }).end(body),
+        );
+        server.listen(0, "127.0.0.1", () => done({ server, url: `http://127.0.0.1:${server.address().port}/` }));
+    });
+
 await test("another site embeds the page, sets views, and is told what they cost", async () => {
     const query = "?scene=three-spheres&size=96x72&method=bracket";
-    const site = (body) =>
-        new Promise((done) => {
-            const server = http.createServer((_, response) =>
-                response.writeHead(200, { "content-type": "text/html" }).end(body),
-            );
-            server.listen(0, "127.0.0.1", () => done({ server, url: `http://127.0.0.1:${server.address().port}/` }));
-        });
     const host = await site(`<script>
             heard = [];
             addEventListener("message", (event) => heard.push([event.origin, event.data]));
@@ -172,6 +184,26 @@ await test("another site embeds the page, sets views, and is told what they cost
     await set({ scene: "random-20", size: "96x72", method: "naive" });
     await page.waitForFunction(() => globalThis.heard.at(-1)[1].values?.scene === "random-20");
     assert.equal(await frame.locator("#whole-page").isVisible(), true);
+    assert.deepEqual(faults, []);
+    await context.close();
+    host.server.close();
+});
+
+await test("a host that answers the page's first message has its values in the first picture it is told", async () => {
+    const host = await site(`<script>
+            pictures = [];
+            addEventListener("message", ({ source, data }) => {
+                const values = { e: 1.5, method: "naive" };
+                if (data.stereotrace === "ready") source.postMessage({ stereotrace: "set", values }, "*");
+                if (data.stereotrace === "picture") pictures.push(data);
+            });
+        </script>
+        <iframe src="${address}?scene=three-spheres&size=96x72" width="500" height="500"></iframe>`);
+    const { page, context, faults } = await opened("", { at: host.url });
+    await page.waitForFunction(() => globalThis.pictures.length);
+    const [{ values, cost }] = await page.evaluate(() => globalThis.pictures);
+    assert.deepEqual(values, { scene: "three-spheres", size: "96x72", e: "1.5", method: "naive" });
+    assert.equal(cost.method, "naive");
     assert.deepEqual(faults, []);
     await context.close();
     host.server.close();

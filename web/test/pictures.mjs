@@ -213,6 +213,8 @@ await test("comparison, downloads, quilt and chart", async () => {
     const identical = Number(/([\d.]+)% of the right/.exec(text)[1]);
     assert.ok(identical > 50 && identical < 100, text);
     assert.equal(await page.locator("#view").inputValue(), "difference");
+    await page.waitForTimeout(600);
+    assert.equal(new URL(page.url()).searchParams.get("view"), "difference");
     const saved = async (button) => {
         const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
         const bytes = await readFile(await download.path());
