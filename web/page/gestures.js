@@ -25,7 +25,7 @@ export function steer(move) {
 }
 
 /** Turns the head, in radians. @param {number} right @param {number} up @param {360 | 180} span */
-function look(right, up, span) {
+export function look(right, up, span) {
     head.turn(right, up, span);
     draw();
     remember();

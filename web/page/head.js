@@ -37,13 +37,19 @@ export class Head {
         this.canvas = document.createElement("canvas");
         /** @type {ReturnType<typeof opened>} */
         this.drawing = null;
-        /** @type {ImageBitmap | null} */
-        this.uploaded = null;
+        /** The pictures' textures. @type {Map<ImageBitmap, WebGLTexture>} */
+        this.uploaded = new Map();
         this.canvas.addEventListener("webglcontextlost", (event) => {
             event.preventDefault(); // else it is never restored
             this.drawing = null;
-            this.uploaded = null;
+            this.uploaded.clear();
         });
+    }
+
+    /** Frees the textures of pictures that are no longer shown. */
+    forget() {
+        for (const texture of this.uploaded.values()) this.drawing?.gl.deleteTexture(texture);
+        this.uploaded.clear();
     }
 
     /** Looks ahead, at an angle upwards in radians. @param {number} up */
@@ -84,10 +90,9 @@ export class Head {
         if (gl.isContextLost() || Math.max(picture.width, picture.height) > most) return null;
         [this.canvas.width, this.canvas.height] = [views * width, height];
         gl.viewport(0, 0, views * width, height);
-        if (this.uploaded !== picture) {
-            gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, picture);
-            this.uploaded = picture;
-        }
+        const known = this.uploaded.get(picture);
+        if (known) gl.bindTexture(gl.TEXTURE_2D, known);
+        else this.uploaded.set(picture, uploaded(gl, picture));
         gl.uniform2f(place("size"), width, height);
         gl.uniform1f(place("views"), views);
         gl.uniform1f(place("pixel"), this.pixel(height));
@@ -111,6 +116,22 @@ export class Head {
     }
 }
 
+/** Returns a picture's texture, which is bound. @param {WebGL2RenderingContext} gl @param {ImageBitmap} picture */
+function uploaded(gl, picture) {
+    const texture = /** @type {WebGLTexture} */ (gl.createTexture());
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    for (const [name, value] of [
+        [gl.TEXTURE_MIN_FILTER, gl.LINEAR],
+        [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
+        [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
+        [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
+    ]) {
+        gl.texParameteri(gl.TEXTURE_2D, name, value);
+    }
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, picture);
+    return texture;
+}
+
 /** @param {HTMLCanvasElement} canvas */
 function opened(canvas) {
     const gl = canvas.getContext("webgl2", { alpha: false, antialias: false });
@@ -128,15 +149,6 @@ function opened(canvas) {
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(`WebGL: ${gl.getProgramInfoLog(program)}`);
     gl.useProgram(program);
-    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-    for (const [name, value] of [
-        [gl.TEXTURE_MIN_FILTER, gl.LINEAR],
-        [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
-        [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
-        [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
-    ]) {
-        gl.texParameteri(gl.TEXTURE_2D, name, value);
-    }
     const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
     return { gl, most, place: (/** @type {string} */ name) => gl.getUniformLocation(program, name) };
 }

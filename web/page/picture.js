@@ -44,6 +44,7 @@ export const shownAround = () => shownAs.around;
  */
 export function put(next, shown, span) {
     for (const image of [...images, traced]) image?.close();
+    head.forget();
     images = next.images;
     traced = next.traced ?? null;
     shownAs = { view: shown, around: span, views: isPacked(shown) ? 2 : 1 };

@@ -236,7 +236,7 @@ await test("fields have names and values for screen readers, and the page is wal
     await context.close();
 });
 
-await test("full screen shows both eyes side by side, and a tilted phone looks around", async () => {
+await test("full screen is filled by each view, and a tilted phone looks around", async () => {
     const { page, context, faults } = await opened("?scene=three-spheres&method=naive&view=side-by-side", PHONE);
     await whole(page);
     await page.evaluate(() => {
@@ -246,19 +246,28 @@ await test("full screen shows both eyes side by side, and a tilted phone looks a
     await whole(page);
     assert.equal(await page.evaluate(() => document.fullscreenElement?.id), "frame");
     assert.equal(await page.evaluate(() => document.activeElement?.id), "picture", "keys change the view");
-    const { width, height } = await pixels(page);
     const [wide, high] = await page.evaluate(() => [innerWidth, innerHeight]);
-    assert.ok(Math.abs(width / height - wide / high) < 0.02, `${width}x${height} in ${wide}x${high}`);
+    const fills = async () => {
+        const { width, height } = await pixels(page);
+        assert.ok(Math.abs(width / height - wide / high) < 0.02, `${width}x${height} in ${wide}x${high}`);
+    };
+    await fills();
+    await page.evaluate(() => {
+        document.documentElement.dataset.state = "";
+    });
+    await page.keyboard.press("6");
+    await whole(page);
+    await fills();
     await page.evaluate(() => {
         document.documentElement.dataset.state = "";
         return document.exitFullscreen();
     });
     await whole(page);
     const before = JSON.stringify(await pixels(page));
-    const tilt = (gamma) =>
+    const tilt = (gamma, beta = 10) =>
         page.evaluate(
-            (gamma) => dispatchEvent(new DeviceOrientationEvent("deviceorientation", { beta: 10, gamma })),
-            gamma,
+            ([beta, gamma]) => dispatchEvent(new DeviceOrientationEvent("deviceorientation", { beta, gamma })),
+            [beta, gamma],
         );
     await tilt(20);
     await page.waitForTimeout(300);
@@ -267,9 +276,26 @@ await test("full screen shows both eyes side by side, and a tilted phone looks a
         document.documentElement.dataset.state = "";
     });
     await page.click("#tilt");
+    // The browser allows it later.
+    await page.locator("#tilt[aria-pressed=true]").waitFor();
     for (const gamma of [0, 5, 12]) await tilt(gamma);
     await whole(page);
     assert.ok(JSON.stringify(await pixels(page)) !== before, "a tilt changes nothing");
+    // All around, it turns the head. Axes are the screen's.
+    await page.selectOption("#size", "320x240");
+    await choose(page, "projection", "180");
+    const camera = () => new URL(page.url()).searchParams.get("camera");
+    const head = async () => {
+        await page.waitForTimeout(600);
+        return new URL(page.url()).searchParams.get("head")?.split(",").map(Number);
+    };
+    const [place, [, up]] = [camera(), await head()];
+    await tilt(20);
+    assert.deepEqual((await head()).slice(0, 2), [8, up]);
+    await page.evaluate(() => Object.defineProperty(screen.orientation, "angle", { value: 90 }));
+    await tilt(20, 15);
+    assert.deepEqual((await head()).slice(0, 2), [13, up]);
+    assert.equal(camera(), place, "the eyes stay");
     assert.deepEqual(faults, []);
     await context.close();
 });
@@ -313,6 +339,9 @@ await test("screenshots", async () => {
             await context.close();
         }
     }
+});
+
+await test("two fingers come nearer", async () => {
     const { page, context } = await opened("?scene=hall&size=320x240", { ...PHONE, colorScheme: "dark" });
     await whole(page);
     const before = JSON.stringify(await pixels(page));
