@@ -50,8 +50,17 @@ build() {
     cp "$root"/web/package/index.js "$root"/web/package/index.d.ts "$root"/web/package/package.json "$root"/web/package/README.md "$new/pkg/"
     cp "$root"/LICENSE-* "$new/pkg/"
     cp "$root"/web/page/* "$root/docs/BROWSER.md" "$new/"
-    [ -n "${STEREOTRACE_SOURCE-}" ] || sed -i.orig '/@SOURCE@/d' "$new/index.html"
-    sed -i.orig "s|@PAGE@|${STEREOTRACE_PAGE-}|; s|@SOURCE@|${STEREOTRACE_SOURCE-}|" "$new/index.html"
+    # Lines with an address that is not said are left out.
+    page=${STEREOTRACE_PAGE:+${STEREOTRACE_PAGE%/}/}
+    for name in PAGE SOURCE; do
+        if [ $name = PAGE ]; then value=$page; else value=${STEREOTRACE_SOURCE-}; fi
+        if [ -n "$value" ]; then
+            edit="s|@$name@|$(printf '%s' "$value" | sed 's/&/\&amp;/g; s/[&|\\]/\\&/g')|"
+        else
+            edit="/@$name@/d"
+        fi
+        sed -i.orig "$edit" "$new/index.html"
+    done
     rm "$new/index.html.orig"
     mkdir "$new/example"
     cp "$root"/web/example/* "$new/example/"

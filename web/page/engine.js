@@ -34,8 +34,10 @@ const MEASURED = methods().filter((name) => name !== "adelson-hodges" && name !=
 async function adapter() {
     const found = await navigator.gpu?.requestAdapter({ powerPreference: "high-performance" });
     if (!found) return null;
-    const { vendor, architecture, device, description } = found.info;
-    const software = Boolean(found.info.isFallbackAdapter ?? /** @type {any} */ (found).isFallbackAdapter);
+    // Chrome has it from version 121.
+    const info = found.info ?? {};
+    const { vendor, architecture, device, description } = info;
+    const software = Boolean(info.isFallbackAdapter ?? /** @type {any} */ (found).isFallbackAdapter);
     return { vendor, architecture, device, description, software, timestamps: found.features.has("timestamp-query") };
 }
 

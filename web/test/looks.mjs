@@ -52,7 +52,8 @@ await test("links, icon and previews are there", async () => {
     for (const link of links) assert.equal((await fetch(link)).status, 200, link);
     const text = await readFile(path.join(site, "index.html"), "utf8");
     assert.ok(!text.includes("@"), "an address is not filled in");
-    assert.match(text, /property="og:image" content="[^"]*poster\.jpg"/);
+    // Previews need whole addresses.
+    for (const [, link] of text.matchAll(/property="og:(?:image|url)" content="([^"]*)"/g)) assert.match(link, /^http/);
     assert.match(text, /rel="icon"[^>]*svg/);
     assert.ok((await stat(path.join(site, "poster.jpg"))).size < 60_000);
     await context.close();
