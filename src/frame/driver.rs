@@ -31,8 +31,8 @@ use crate::{
 };
 use slots::Slots;
 
-/// Maximum number of steps per submission: of bands of the usual size, and of much smaller ones. Two of three steps of a
-/// path trace, and paths become fewer, so that 24 steps trace about as much as bands are sized for.
+/// Maximum number of steps per submission: of bands of the usual size, and of much smaller ones. Two of three steps of
+/// a path trace, and paths become fewer, so that 24 steps trace about as much as bands are sized for.
 const MOST_STEPS: [u32; 2] = [24, 96];
 
 /// The device, and the objects that a renderer keeps between frames.
