@@ -1,3 +1,4 @@
+/// <reference lib="esnext.disposable" />
 export {
     Pair, Passes, Renderer, Scene, Views, anaglyphs, builtins, channels, methods, options, packings, render, version,
 } from "./stereotrace_web.js";

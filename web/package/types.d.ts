@@ -99,7 +99,7 @@ export interface RenderOptions {
     tone?: "clamp" | "filmic";
     /** Seed of the random numbers for soft light and jitter. The same seed makes the same picture. */
     seed?: number;
-    /** Aborts rendering with an `AbortError`, after the rows that the device is rendering. */
+    /** Aborts rendering with the signal's reason, by default an `AbortError`, after the rows that the device renders. */
     signal?: AbortSignal;
     /** Called with the share of finished rows, 0 to 1. */
     onProgress?: (done: number) => void;
@@ -255,7 +255,7 @@ export interface Mesh {
     /** World positions, three numbers per vertex. */
     positions: Float32Array;
     /** Three vertex indices per triangle. Without indices, each three vertices make a triangle. */
-    indices?: Uint32Array;
+    indices?: Uint32Array | Uint16Array;
     /** Unit normals, three numbers per vertex. */
     normals?: Float32Array;
     /** Texture coordinates, two numbers per vertex. (0, 0) is a texture's lower left corner, (1, 1) the upper right. */

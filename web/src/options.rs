@@ -10,6 +10,7 @@ use web_sys::AbortSignal;
 use crate::errors::{raised, refused};
 
 /// The library's options, and the callbacks of a frame.
+#[derive(Default)]
 pub(crate) struct Request {
     pub(crate) options: Options,
     signal: Option<AbortSignal>,
@@ -19,7 +20,7 @@ pub(crate) struct Request {
 impl Request {
     /// Reads a plain object: `RenderOptions` of `types.d.ts`. Without one, all options have their defaults.
     pub(crate) fn read(value: JsValue) -> Result<Self, JsValue> {
-        let mut request = Self { options: Options::default(), signal: None, on_progress: None };
+        let mut request = Self::default();
         if is_nothing(&value) {
             return Ok(request);
         }
@@ -36,6 +37,14 @@ impl Request {
         }
         request.options.check().map_err(raised)?;
         Ok(request)
+    }
+
+    /// Returns an error of the frame. That of an aborted one is the signal's reason, usually a `DOMException`.
+    pub(crate) fn raised(&self, error: Error) -> JsValue {
+        match (&error, &self.signal) {
+            (Error::Cancelled, Some(signal)) => signal.reason(),
+            _ => raised(error),
+        }
     }
 
     /// Reports progress after each band of rows, and breaks if the signal was aborted.

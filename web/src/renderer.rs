@@ -63,9 +63,10 @@ impl Renderer {
     ///
     /// - `NoAdapterError` if the browser has no WebGPU or no adapter;
     /// - `LimitError` if the picture or scene exceeds the adapter's limits;
-    /// - `AbortError` if `options.signal` was aborted;
     /// - `DeviceLostError` if the device was lost twice;
     /// - `TypeError` for a wrong field. The message names the value.
+    ///
+    /// If `options.signal` was aborted, it rejects with the signal's reason, by default an `AbortError`.
     #[wasm_bindgen(unchecked_return_type = "Pair")]
     pub async fn render(
         &self,
@@ -84,7 +85,7 @@ impl Renderer {
                 .read()
                 .await
         };
-        Ok(Pair(self.with_scene(&scene.shared, frame).await?))
+        Ok(Pair(self.with_scene(&request, &scene.shared, frame).await?))
     }
 
     /// Renders one more pass of a pair, and returns the mean of all passes. They must have the same scene, camera and
@@ -109,7 +110,7 @@ impl Renderer {
                 .add_to(&mut all)
                 .await
         };
-        let pair = self.with_scene(&scene.shared, frame).await;
+        let pair = self.with_scene(&request, &scene.shared, frame).await;
         passes.tell(&all);
         Ok(Pair(pair?))
     }
@@ -127,7 +128,7 @@ impl Renderer {
         let stops = async |renderer: &mut stereotrace::Renderer, uploaded: &UploadedScene| {
             renderer.suggest_exposure(uploaded, &camera, &request.options).await
         };
-        self.with_scene(&scene.shared, stops).await
+        self.with_scene(&request, &scene.shared, stops).await
     }
 
     /// Renders a row of `count` eyes from left to right. Neighbours are one interaxial apart, and the camera is in
@@ -150,7 +151,7 @@ impl Renderer {
                 .read()
                 .await
         };
-        Ok(Views(self.with_scene(&scene.shared, frame).await?))
+        Ok(Views(self.with_scene(&request, &scene.shared, frame).await?))
     }
 
     /// Measures the device with built-in scenes and all methods. Larger sizes are left out if the report would take
@@ -169,12 +170,13 @@ impl Renderer {
         let mut slot = self.device.lock().await;
         let device = opened(&mut slot).await.map_err(raised)?;
         let report = Report::measure(device.renderer.gpu(), &plan, &mut |now| request.goes_on(now)).await;
-        Ok(report.map_err(raised)?.to_html())
+        Ok(report.map_err(|error| request.raised(error))?.to_html())
     }
 
     /// Builds a scene's tree and uploads it. `render` does so by itself if needed.
     pub async fn upload(&self, scene: &Scene) -> Result<(), JsValue> {
-        self.with_scene(&scene.shared, async |_: &mut stereotrace::Renderer, _: &UploadedScene| Ok(())).await
+        let nothing = async |_: &mut stereotrace::Renderer, _: &UploadedScene| Ok(());
+        self.with_scene(&Request::default(), &scene.shared, nothing).await
     }
 
     /// Forgets the samples of earlier frames, which the option `history` keeps. The next frame depends on no other.
@@ -200,6 +202,7 @@ impl Renderer {
     /// Runs work with a scene on the device. If the device is lost, it is opened again once, and the work starts anew.
     async fn with_scene<T>(
         &self,
+        request: &Request,
         scene: &Shared,
         mut work: impl AsyncFnMut(&mut stereotrace::Renderer, &UploadedScene) -> Result<T, Error>,
     ) -> Result<T, JsValue> {
@@ -216,7 +219,7 @@ impl Renderer {
                     log::warn!("the graphics device was lost ({reason}); opening it again");
                     again = true;
                 }
-                done => return done.map_err(raised),
+                done => return done.map_err(|error| request.raised(error)),
             }
         }
     }

@@ -7,10 +7,10 @@ use std::{
     sync::Arc,
 };
 
-use js_sys::{Float32Array, Object, Uint8Array, Uint32Array};
+use js_sys::{ArrayBuffer, Float32Array, Object, Uint8Array, Uint16Array, Uint32Array};
 use serde::{Deserialize, Serialize};
 use stereotrace::{
-    Builtin, Finish, Light, Limits, Material, MaterialId, Mesh, MissingTextures, Plane, Principled, SceneFile,
+    Builtin, Error, Finish, Light, Limits, Material, MaterialId, Mesh, MissingTextures, Plane, Principled, SceneFile,
     SceneOptions, Sky, Sphere, StereoCamera, Texture, TextureId, Wrap,
     glam::{DVec3, Vec3},
 };
@@ -103,7 +103,7 @@ impl Scene {
     /// a message in `warnings`. Throws an error that names the file, and if possible the line, for other faults.
     #[wasm_bindgen(js_name = fromFiles)]
     pub fn from_files(
-        #[wasm_bindgen(unchecked_param_type = "Record<string, Uint8Array>")] files: &JsValue,
+        #[wasm_bindgen(unchecked_param_type = "Record<string, Uint8Array | ArrayBuffer>")] files: &JsValue,
         main: Option<String>,
         #[wasm_bindgen(js_name = creaseAngle)] crease_angle: Option<f32>,
     ) -> Result<Self, JsValue> {
@@ -290,9 +290,13 @@ fn contents(files: &JsValue) -> Result<BTreeMap<String, Vec<u8>>, JsValue> {
     let entries = Object::entries(object).into_iter().map(|entry| {
         let entry: js_sys::Array = entry.unchecked_into();
         let path = entry.get(0).as_string().unwrap_or_default();
-        let bytes: Uint8Array =
-            entry.get(1).dyn_into().map_err(|_| refused(&format!("files: {path}: it must be a Uint8Array")))?;
-        Ok((path, bytes.to_vec()))
+        let content = entry.get(1);
+        let bytes = match content.dyn_ref::<ArrayBuffer>() {
+            Some(buffer) => Some(Uint8Array::new(buffer)),
+            None => content.dyn_into().ok(),
+        };
+        let bytes = bytes.ok_or_else(|| refused(&format!("files: {path}: it must be a Uint8Array or an ArrayBuffer")));
+        Ok((path, bytes?.to_vec()))
     });
     entries.collect()
 }
@@ -476,44 +480,38 @@ fn mesh_of(given: &JsValue) -> Result<Mesh, JsValue> {
     let floats = |field: &str| array::<Float32Array>("mesh", given, field, "Float32Array");
     let missing = |field: &str| refused(&format!("mesh.{field}: it is missing"));
     let positions = points("mesh.positions", &floats("positions")?.ok_or_else(|| missing("positions"))?)?;
-    let triangles = match array::<Uint32Array>("mesh", given, "indices", "Uint32Array")? {
-        Some(indices) => corners("mesh.indices", &indices)?,
+    let triangles = match array::<Object>("mesh", given, "indices", "Uint32Array or a Uint16Array")? {
+        Some(indices) => corners("mesh.indices", &wide(&indices)?)?,
         None => (0..positions.len() as u32 / 3).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect(),
     };
-    // JavaScript gives values for each vertex, the library takes them for each corner.
-    fn of_corners<T: Copy>(
-        what: &str,
-        values: &[T],
-        vertices: usize,
-        triangles: &[[u32; 3]],
-    ) -> Result<Vec<[T; 3]>, JsValue> {
-        if values.len() != vertices {
-            return Err(refused(&format!("mesh.{what}: {} for {vertices} vertices", values.len())));
-        }
-        let corner = |corner: u32| values.get(corner as usize).copied();
-        let all = triangles.iter().map(|&[a, b, c]| Some([corner(a)?, corner(b)?, corner(c)?]));
-        all.collect::<Option<_>>()
-            .ok_or_else(|| refused(&format!("mesh.indices: there are {vertices} vertices, counted from 0")))
-    }
     let rest: MeshOptions = read("mesh", rest_of(given)?)?;
-    let mut mesh = Mesh::new(Vec::new(), Vec::new()).name(rest.name.unwrap_or_default());
+    let mut mesh = Mesh::new(positions, triangles).name(rest.name.unwrap_or_default());
     mesh = mesh.materials(vec![MaterialId(rest.material.unwrap_or(0))]);
+    let unfit = |error: Error| refused(&error.to_string());
     if let Some(normals) = floats("normals")? {
         if rest.crease_angle.is_some() {
             return Err(refused("mesh: normals are given, but creaseAngle would replace them; give one of them"));
         }
-        mesh = mesh.normals(of_corners("normals", &points("mesh.normals", &normals)?, positions.len(), &triangles)?);
+        mesh = mesh.vertex_normals(&points("mesh.normals", &normals)?).map_err(unfit)?;
     }
     if let Some(uvs) = floats("uvs")? {
-        mesh = mesh.uv(of_corners("uvs", &pairs("mesh.uvs", &uvs)?, positions.len(), &triangles)?);
+        mesh = mesh.vertex_uv(&pairs("mesh.uvs", &uvs)?).map_err(unfit)?;
     }
     if let Some(colors) = floats("colors")? {
-        mesh = mesh.colors(of_corners("colors", &points("mesh.colors", &colors)?, positions.len(), &triangles)?);
+        mesh = mesh.vertex_colors(&points("mesh.colors", &colors)?).map_err(unfit)?;
     }
-    (mesh.positions, mesh.triangles) = (positions, triangles);
     match rest.crease_angle {
         Some(degrees) => mesh.smooth(degrees).map_err(raised),
         None => Ok(mesh),
+    }
+}
+
+/// Returns indices of 16 or 32 bits as those of 32 bits.
+fn wide(indices: &Object) -> Result<Uint32Array, JsValue> {
+    match (indices.dyn_ref::<Uint32Array>(), indices.dyn_ref::<Uint16Array>()) {
+        (Some(wide), _) => Ok(wide.clone()),
+        (_, Some(narrow)) => Ok(Uint32Array::new(narrow)),
+        _ => Err(refused("mesh.indices: it must be a Uint32Array or a Uint16Array")),
     }
 }
 

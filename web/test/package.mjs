@@ -1,7 +1,9 @@
 // Tests the npm package.
 import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
 import { readFile } from "node:fs/promises";
 import path from "node:path";
+import { pathToFileURL } from "node:url";
 import { figures, full, natively, opened, out, site, test } from "./tools.mjs";
 
 await test("the package's example", async () => {
@@ -29,6 +31,7 @@ await test("wrong values are refused by name", async () => {
             () => render(scene, camera, { samples: 10 }),
             () => render(scene, camera, { signal: 3 }),
             () => render(scene, camera, { signal: AbortSignal.abort() }),
+            () => render(scene, camera, { signal: AbortSignal.abort(new RangeError("enough")) }),
             () => Scene.fromFiles({ "a.obj": "text" }),
             () => new Scene().addMesh({ positions: [0, 0, 0] }),
             () =>
@@ -38,6 +41,18 @@ await test("wrong values are refused by name", async () => {
                     uvs: new Float32Array(6),
                 }),
             () => render(new Scene()),
+            () => new Scene().addMesh({ positions: new Float32Array(9), indices: [0, 1, 2] }),
+            () => {
+                const freed = Scene.builtin("three-spheres");
+                freed.free();
+                freed.free();
+                return freed.info;
+            },
+            () => {
+                const freed = new Scene();
+                freed.free();
+                return render(freed, camera);
+            },
         ];
         const found = [];
         for (const attempt of tries) {
@@ -68,14 +83,49 @@ await test("wrong values are refused by name", async () => {
         /10 per pixel/,
         /signal/,
         /^AbortError/,
+        /^RangeError: enough$/,
         /a\.obj.*Uint8Array/,
         /positions.*Float32Array/,
         /3 vertices/,
         /nothing to look at/,
+        /^TypeError: mesh\.indices: .* Uint32Array or a Uint16Array/,
+        /^TypeError: This Scene was freed/,
+        /^TypeError: This Scene was freed/,
         /^64,64$/,
     ];
     messages.forEach((message, index) => assert.match(message, expected[index]));
     await context.close();
+});
+
+await test("indices of 16 bits and files of ArrayBuffers are those of 32 bits and of bytes", async () => {
+    const { page, context } = await opened("example/");
+    const found = await page.evaluate(async () => {
+        const { Scene, render } = await import("../pkg/index.js");
+        const text = new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");
+        const positions = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]);
+        const indices = [0, 1, 2, 1, 3, 2];
+        const scenes = [
+            ...[Uint32Array, Uint16Array].map((Kind) => {
+                const scene = new Scene();
+                scene.addMesh({ positions, indices: new Kind(indices) });
+                return scene;
+            }),
+            ...[text, text.buffer].map((bytes) => Scene.fromFiles({ "a.obj": bytes })),
+        ];
+        const camera = { eye: [0.5, 0.5, 3], target: [0.5, 0.5, 0], size: [64, 48] };
+        const depths = [];
+        for (const scene of scenes) depths.push((await render(scene, camera)).channel("left", "depth").join());
+        return { same: depths.map((depth) => depth === depths[0]), near: depths[0].includes("3") };
+    });
+    assert.deepEqual(found, { same: [true, true, true, true], near: true });
+    await context.close();
+});
+
+await test("Node is told to use a browser", () => {
+    const code = `import(${JSON.stringify(pathToFileURL(path.join(site, "pkg", "index.js")))})`;
+    const { status, stderr } = spawnSync(process.execPath, ["--eval", code], { encoding: "utf8" });
+    assert.notEqual(status, 0);
+    assert.match(stderr, /stereotrace needs WebGPU, and Node has none/);
 });
 
 if (full)
