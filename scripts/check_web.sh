@@ -19,6 +19,7 @@ sh "$root/scripts/web.sh" build
 # The types of the package, and of the page's own scripts.
 npm_package typescript 7.0.2
 node "$package/bin/tsc" --project "$root/web/test/tsconfig.json"
+node "$package/bin/tsc" --project "$root/web/test/tsconfig.strict.json"
 npm_package axe-core 4.10.3
 axe=$package
 npm_package playwright-core 1.60.0

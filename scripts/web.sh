@@ -2,7 +2,7 @@
 # Builds the page and the npm package, and serves them on the loopback address.
 #   sh scripts/web.sh [build|serve] [PORT]       both, where neither is said; port 8080
 # With STEREOTRACE_PAGE, the address at which the page will be, other sites show a preview of links to it.
-# STEREOTRACE_SOURCE is the address that its link to the source leads to.
+# STEREOTRACE_SOURCE is the address that its link to the source leads to, and the package's repository.
 # The page comes to target/page, a folder that any static web server can serve; the npm package to target/page/pkg. Needs Node 18 or
 # newer and npm. wasm-bindgen, of the version in Cargo.lock, is built into target/wasm-bindgen where it is not there, and wasm-opt comes from
 # the npm package binaryen, into target/npm.
@@ -49,6 +49,9 @@ build() {
     mv "$wasm.opt" "$wasm"
     cp "$root"/web/package/index.js "$root"/web/package/index.d.ts "$root"/web/package/package.json "$root"/web/package/README.md "$new/pkg/"
     cp "$root"/LICENSE-* "$new/pkg/"
+    if [ -n "${STEREOTRACE_SOURCE-}" ]; then
+        (cd "$new/pkg" && npm pkg set repository.type=git "repository.url=$STEREOTRACE_SOURCE")
+    fi
     cp "$root"/web/page/* "$root/docs/BROWSER.md" "$new/"
     # Lines with an address that is not said are left out.
     page=${STEREOTRACE_PAGE:+${STEREOTRACE_PAGE%/}/}

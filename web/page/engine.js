@@ -1,8 +1,10 @@
 // A worker that does all rendering, so that the page answers even during a long frame. It receives messages { id, task,
 // ... } and answers each with { id, result } or { id, error }, and reports progress with { id, done }.
 // @ts-check
-import { Passes, Renderer, Scene, anaglyphs, builtins, methods, version } from "./pkg/index.js";
+import { Passes, Renderer, Scene, anaglyphs, builtins, init, methods, version } from "./pkg/index.js";
 import { corners } from "./stl.js";
+
+await init();
 
 /** @typedef {import("./pkg/index.js").Camera} Camera */
 /** @typedef {import("./pkg/index.js").RenderOptions} RenderOptions */
@@ -49,7 +51,7 @@ async function sceneOf(source) {
     for (const { path, file } of source.files) files[path] = new Uint8Array(await file.arrayBuffer());
     const scene = /\.stl$/i.test(source.main)
         ? stl(files[source.main], source.main)
-        : Scene.fromFiles(files, source.main);
+        : await Scene.fromFiles(files, source.main);
     scene.setSky(BACKDROP.nadir, BACKDROP.zenith);
     return scene;
 }

@@ -89,8 +89,8 @@ impl Scene {
     }
 
     /// Makes a built-in scene with lights, sky and a camera. `name` is one of `builtins()`.
-    pub fn builtin(name: &str) -> Result<Self, JsValue> {
-        let builtin: Builtin = named(name)?;
+    pub async fn builtin(name: String) -> Result<Self, JsValue> {
+        let builtin: Builtin = named(&name)?;
         Ok(Self::of(builtin.scene(), Vec::new(), Some(builtin)))
     }
 
@@ -100,14 +100,14 @@ impl Scene {
     /// if `files` has no folders. `creaseAngle` in degrees gives smooth normals to objects without any.
     ///
     /// Only glTF files bring lights and cameras. For other files see `placeLights`. A missing texture is left out, with
-    /// a message in `warnings`. Throws an error that names the file, and if possible the line, for other faults.
+    /// a message in `warnings`. Rejects with an error that names the file, and if possible the line, for other faults.
     #[wasm_bindgen(js_name = fromFiles)]
-    pub fn from_files(
-        #[wasm_bindgen(unchecked_param_type = "Record<string, Uint8Array | ArrayBuffer>")] files: &JsValue,
+    pub async fn from_files(
+        #[wasm_bindgen(unchecked_param_type = "Record<string, Uint8Array | ArrayBuffer>")] files: JsValue,
         main: Option<String>,
         #[wasm_bindgen(js_name = creaseAngle)] crease_angle: Option<f32>,
     ) -> Result<Self, JsValue> {
-        let files = contents(files)?;
+        let files = contents(&files)?;
         let main = main.map_or_else(|| main_file(&files), Ok)?;
         let limits = Limits::default().file_bytes(MOST_BYTES).triangles(MOST_TRIANGLES);
         let limits = limits.option_names(ELSEWHERE, ELSEWHERE);

@@ -19,7 +19,7 @@ await test("wrong values are refused by name", async () => {
     const { page, context } = await opened("example/");
     const messages = await page.evaluate(async () => {
         const { Scene, render } = await import("../pkg/index.js");
-        const scene = Scene.builtin("three-spheres");
+        const scene = await Scene.builtin("three-spheres");
         const camera = scene.camera(64, 48);
         const tries = [
             () => render(scene, { ...camera, eye: [0, 0] }),
@@ -42,8 +42,8 @@ await test("wrong values are refused by name", async () => {
                 }),
             () => render(new Scene()),
             () => new Scene().addMesh({ positions: new Float32Array(9), indices: [0, 1, 2] }),
-            () => {
-                const freed = Scene.builtin("three-spheres");
+            async () => {
+                const freed = await Scene.builtin("three-spheres");
                 freed.free();
                 freed.free();
                 return freed.info;
@@ -67,7 +67,11 @@ await test("wrong values are refused by name", async () => {
         const both = await Promise.all([render(scene, camera), render(scene, camera, { method: "naive" })]);
         return [...found, both.map((pair) => pair.width).join()];
     });
-    const names = await page.evaluate(async () => (await import("../pkg/index.js")).options());
+    const names = await page.evaluate(async () => {
+        const { init, options } = await import("../pkg/index.js");
+        await init();
+        return options();
+    });
     const types = await readFile(path.join(site, "pkg", "stereotrace_web.d.ts"), "utf8");
     const [, fields] = types.match(/interface RenderOptions \{(.*?)\n\}/s);
     const typed = [...fields.matchAll(/^    (\w+)\?:/gm)].map(([, name]) => name);
@@ -100,7 +104,8 @@ await test("wrong values are refused by name", async () => {
 await test("indices of 16 bits and files of ArrayBuffers are those of 32 bits and of bytes", async () => {
     const { page, context } = await opened("example/");
     const found = await page.evaluate(async () => {
-        const { Scene, render } = await import("../pkg/index.js");
+        const { Scene, init, render } = await import("../pkg/index.js");
+        await init();
         const text = new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");
         const positions = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]);
         const indices = [0, 1, 2, 1, 3, 2];
@@ -110,7 +115,8 @@ await test("indices of 16 bits and files of ArrayBuffers are those of 32 bits an
                 scene.addMesh({ positions, indices: new Kind(indices) });
                 return scene;
             }),
-            ...[text, text.buffer].map((bytes) => Scene.fromFiles({ "a.obj": bytes })),
+            await Scene.fromFiles({ "a.obj": text }),
+            await Scene.fromFiles({ "a.obj": text.buffer }),
         ];
         const camera = { eye: [0.5, 0.5, 3], target: [0.5, 0.5, 0], size: [64, 48] };
         const depths = [];
@@ -121,8 +127,39 @@ await test("indices of 16 bits and files of ArrayBuffers are those of 32 bits an
     await context.close();
 });
 
+await test("the package is loaded by its first promise, or by init", async () => {
+    const { page, context } = await opened("pkg/README.md");
+    const found = await page.evaluate(async () => {
+        const said = async (call) => {
+            try {
+                return String(await call());
+            } catch (error) {
+                return String(error);
+            }
+        };
+        const all = await import("/pkg/index.js");
+        const early = [
+            await said(() => new all.Scene()),
+            await said(() => new all.Renderer()),
+            await said(() => all.methods()),
+            await said(() => all.init("/index.html")),
+            await said(() => all.init("/nowhere.wasm")),
+        ];
+        const bytes = await (await fetch("/pkg/stereotrace_web_bg.wasm")).arrayBuffer();
+        await Promise.all([all.init(bytes), all.init()]);
+        const loads = performance.getEntriesByType("resource").filter(({ name }) => name.endsWith("_bg.wasm")).length;
+        return { early, loads, scene: new all.Scene() instanceof all.Scene, methods: all.methods().length > 3 };
+    });
+    const [scene, renderer, methods, page404, none] = found.early;
+    for (const message of [scene, renderer, methods]) assert.match(message, /is not loaded; await init\(\) first/);
+    for (const message of [page404, none]) assert.match(message, /could not be loaded; pass its address or its bytes/);
+    assert.deepEqual([found.loads, found.scene, found.methods], [1, true, true]);
+    await context.close();
+});
+
 await test("Node is told to use a browser", () => {
-    const code = `import(${JSON.stringify(pathToFileURL(path.join(site, "pkg", "index.js")))})`;
+    const module = JSON.stringify(pathToFileURL(path.join(site, "pkg", "index.js")));
+    const code = `import(${module}).then(({ Scene }) => Scene.builtin("hall"))`;
     const { status, stderr } = spawnSync(process.execPath, ["--eval", code], { encoding: "utf8" });
     assert.notEqual(status, 0);
     assert.match(stderr, /stereotrace needs WebGPU, and Node has none/);
@@ -133,7 +170,7 @@ if (full)
         const timed = await opened("example/");
         const here = await timed.page.evaluate(async () => {
             const { Scene, Renderer } = await import("../pkg/index.js");
-            const [scene, renderer] = [Scene.builtin("hall"), new Renderer()];
+            const [scene, renderer] = [await Scene.builtin("hall"), new Renderer()];
             const camera = scene.camera(512, 512);
             const times = { naive: [], bracket: [] };
             for (let round = 0; round < 4; round += 1) {

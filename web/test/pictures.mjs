@@ -292,7 +292,8 @@ await test("light by paths is refined while nothing changes", async () => {
     assert.equal(JSON.stringify(await pixels(page)), before);
     const means = await page.evaluate(async () => {
         const { Passes, Renderer, Scene } = await import("./pkg/index.js");
-        const [scene, renderer, passes] = [Scene.builtin("three-spheres"), new Renderer(), new Passes()];
+        const scene = await Scene.builtin("three-spheres");
+        const [renderer, passes] = [new Renderer(), new Passes()];
         const camera = scene.camera(48, 36);
         for (const paths of [2, 6])
             (await renderer.addTo(passes, scene, camera, { lighting: `paths=${paths}:3` })).free();

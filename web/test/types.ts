@@ -1,7 +1,8 @@
 // Code of a user of the package, for the compiler alone. The compiler must accept it, and refuse the marked lines.
-import { Pair, Renderer, Scene, methods, render, type Camera, type Difference, type RenderOptions, type Statistics } from "../../target/page/pkg/index.js";
+import { init, Pair, Renderer, Scene, methods, render, type Camera, type Difference, type RenderOptions, type Statistics } from "../../target/page/pkg/index.js";
 
-const scene: Scene = Scene.fromFiles({ "a.obj": new Uint8Array(3) });
+await init(new URL("https://example.org/stereotrace_web_bg.wasm"));
+const scene: Scene = await Scene.fromFiles({ "a.obj": new Uint8Array(3) });
 const camera: Camera = { ...scene.camera(640, 480), interaxialPixels: 12, interaxial: undefined };
 const options: RenderOptions = { method: "bracket", samples: 4, onProgress: (done: number) => console.log(done) };
 const pair: Pair = await render(scene, camera, options);

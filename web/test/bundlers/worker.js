@@ -1,0 +1,3 @@
+import { picture } from "./picture.js";
+
+picture().then(postMessage, (error) => postMessage(String(error)));
