@@ -22,8 +22,10 @@ node "$package/bin/tsc" --project "$root/web/test/tsconfig.json"
 node "$package/bin/tsc" --project "$root/web/test/tsconfig.strict.json"
 npm_package axe-core 4.10.3
 axe=$package
+npm_package iwer 2.5.0
+iwer=$package
 npm_package playwright-core 1.60.0
 cargo build --quiet --manifest-path "$root/Cargo.toml" --example web_native
 native=$(cargo metadata --manifest-path "$root/Cargo.toml" --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')/debug/examples/web_native
 VK_DRIVER_FILES=$icd VK_ICD_FILENAMES=$icd STEREOTRACE_ADAPTER=swiftshader \
-    node "$root/web/test/page.mjs" "$root/target/page" "$root/target/web-test" "$package" "$(command -v chromium)" "$native" "$root/scenes" "$axe" ${1+"$1"}
+    node "$root/web/test/page.mjs" "$root/target/page" "$root/target/web-test" "$package" "$(command -v chromium)" "$native" "$root/scenes" "$axe" "$iwer" ${1+"$1"}

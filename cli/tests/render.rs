@@ -606,7 +606,8 @@ fn what_is_watched_is_rendered_again_when_it_changes() {
         .spawn()
         .unwrap();
     let wait_for = |what: &dyn Fn() -> bool| {
-        (0..600).any(|_| {
+        // Two minutes, since the first picture may wait for other tests' kernels.
+        (0..2400).any(|_| {
             thread::sleep(Duration::from_millis(50));
             what()
         })

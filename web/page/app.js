@@ -6,6 +6,7 @@ import { Engine } from "./client.js";
 import { embedded, heed } from "./embed.js";
 import { compared } from "./figures.js";
 import { dropped } from "./files.js";
+import { offer } from "./headset.js";
 import { remember, share } from "./link.js";
 import { FIRST_SCENE, openFiles, openLinked, openScene } from "./models.js";
 import { draw, lookAhead, shownAround } from "./picture.js";
@@ -174,6 +175,7 @@ async function begin() {
     element("view").replaceChildren(...Object.entries(VIEWS).map(([name, text]) => new Option(text, name)));
     element("full").hidden = !document.fullscreenEnabled;
     tiltable();
+    void offer();
     embedded();
     const fault = missing();
     if (fault) return nothing(fault);
@@ -206,7 +208,7 @@ function nothing(text) {
     element("sentence").textContent =
         "This picture was made before: the right half shows the right eye, and marks what was traced again.";
     for (const field of element("panel").elements) field.disabled = true;
-    for (const id of ["view", "marked", "full", "share"]) element(id).disabled = true;
+    for (const id of ["view", "marked", "headset", "full", "share"]) element(id).disabled = true;
     document.documentElement.dataset.state = "nothing";
 }
 

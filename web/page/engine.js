@@ -266,9 +266,10 @@ const tasks = {
         return pictured(shownAs, { ms });
     },
 
-    /** Returns the last pair in another view. @param {any} request */
+    /** Returns the last pair in another view, and its camera. @param {any} request */
     async show(request) {
-        return bitmapsOf(request);
+        const [bitmaps, transfer] = await bitmapsOf(request);
+        return [{ ...bitmaps, camera: shown().camera }, transfer];
     },
 
     async compare() {

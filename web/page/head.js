@@ -1,13 +1,10 @@
 // The head that turns inside an equirectangular picture. WebGL draws the planar part that it sees.
 // @ts-check
+import { drawing, uploaded } from "./webgl.js";
 
 /** Vertical field of view in degrees: at the beginning, least and most. */
 const FOV = { begin: 70, least: 20, most: 120 };
 
-const VERTICES = `#version 300 es
-void main() {
-    gl_Position = vec4(4.0 * float(gl_VertexID & 1) - 1.0, 4.0 * float(gl_VertexID >> 1) - 1.0, 0.0, 1.0);
-}`;
 const COLORS = `#version 300 es
 precision highp float;
 const float PI = 3.14159265;
@@ -35,7 +32,7 @@ export class Head {
         /** Angles to the right and upwards in radians, and the vertical field of view in degrees. */
         [this.right, this.up, this.fov] = [0, 0, FOV.begin];
         this.canvas = document.createElement("canvas");
-        /** @type {ReturnType<typeof opened>} */
+        /** @type {ReturnType<typeof drawing>} */
         this.drawing = null;
         /** The pictures' textures. @type {Map<ImageBitmap, WebGLTexture>} */
         this.uploaded = new Map();
@@ -84,7 +81,7 @@ export class Head {
      * @returns {HTMLCanvasElement | null}
      */
     see(picture, views, span, [width, height]) {
-        this.drawing ??= opened(this.canvas);
+        this.drawing ??= drawing(this.canvas.getContext("webgl2", { alpha: false, antialias: false }), COLORS);
         if (!this.drawing) return null;
         const { gl, place, most } = this.drawing;
         if (gl.isContextLost() || Math.max(picture.width, picture.height) > most) return null;
@@ -114,41 +111,4 @@ export class Head {
         gl.drawArrays(gl.TRIANGLES, 0, 3);
         return this.canvas;
     }
-}
-
-/** Returns a picture's texture, which is bound. @param {WebGL2RenderingContext} gl @param {ImageBitmap} picture */
-function uploaded(gl, picture) {
-    const texture = /** @type {WebGLTexture} */ (gl.createTexture());
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    for (const [name, value] of [
-        [gl.TEXTURE_MIN_FILTER, gl.LINEAR],
-        [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
-        [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
-        [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
-    ]) {
-        gl.texParameteri(gl.TEXTURE_2D, name, value);
-    }
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, picture);
-    return texture;
-}
-
-/** @param {HTMLCanvasElement} canvas */
-function opened(canvas) {
-    const gl = canvas.getContext("webgl2", { alpha: false, antialias: false });
-    if (!gl || gl.isContextLost()) return null;
-    const program = gl.createProgram();
-    for (const [kind, source] of /** @type {const} */ ([
-        [gl.VERTEX_SHADER, VERTICES],
-        [gl.FRAGMENT_SHADER, COLORS],
-    ])) {
-        const shader = /** @type {WebGLShader} */ (gl.createShader(kind));
-        gl.shaderSource(shader, source);
-        gl.compileShader(shader);
-        gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(`WebGL: ${gl.getProgramInfoLog(program)}`);
-    gl.useProgram(program);
-    const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
-    return { gl, most, place: (/** @type {string} */ name) => gl.getUniformLocation(program, name) };
 }

@@ -7,7 +7,7 @@ import { pathToFileURL } from "node:url";
 import { promisify } from "node:util";
 import { serve } from "../serve.mjs";
 
-export const [site, out, playwright, executablePath, native, scenes, axe, full] = process.argv.slice(2);
+export const [site, out, playwright, executablePath, native, scenes, axe, iwer, full] = process.argv.slice(2);
 const { chromium } = await import(pathToFileURL(path.join(playwright, "index.mjs")).href);
 const run = promisify(execFile);
 /** Long enough for a kernel's first compilation on two cores that do other work too. */
