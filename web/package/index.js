@@ -9,7 +9,7 @@ async function load(source) {
     // Deno has both.
     if (globalThis.process?.versions?.node && !globalThis.navigator?.gpu) {
         throw new Error(
-            "stereotrace needs WebGPU, and Node has none. Use it in a browser, or use the command or the Python package.",
+            "stereotrace needs WebGPU, and Node has none. Use it in a browser, or use the command or Python.",
         );
     }
     try {
