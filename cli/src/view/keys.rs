@@ -52,7 +52,7 @@ pub(super) const HELP: [(&str, &str); 19] = [
     ("P, Ctrl+S", "write the picture, and print the command that makes it"),
     ("F, F11", "full screen on or off"),
     ("T", "text on or off"),
-    ("H, F1", "this list on or off"),
+    ("H, F1", "this list; again for more of it, or off"),
     ("Esc", "end"),
 ];
 

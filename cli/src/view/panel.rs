@@ -8,6 +8,9 @@ const GROUND: [u8; 4] = [0, 0, 0, 92];
 /// Margin around the text, in widths of a character.
 const MARGIN: usize = 1;
 
+/// Rows of characters.
+type Rows = Vec<Vec<char>>;
+
 /// Draws text in one font size.
 pub(super) struct Panel {
     size: RasterHeight,
@@ -24,14 +27,54 @@ impl Panel {
         Self { size }
     }
 
-    /// Draws lines of text. Lines are broken at the width of the window, and cut at its height.
-    pub(super) fn picture(&self, lines: &[String], [width, height]: [u32; 2]) -> Picture {
+    /// Lays out texts one after the other, in few rows of a window of this size.
+    pub(super) fn strip(&self, texts: &[String], window: [u32; 2]) -> Rows {
+        const BETWEEN: &str = " | ";
+        let [columns, most] = self.fitting(window);
+        let mut lines: Vec<String> = Vec::new();
+        for text in texts {
+            match lines.last_mut() {
+                Some(line)
+                    if [line.as_str(), BETWEEN, text].iter().map(|part| part.chars().count()).sum::<usize>()
+                        <= columns =>
+                {
+                    line.push_str(BETWEEN);
+                    line.push_str(text);
+                }
+                _ => lines.push(text.clone()),
+            }
+        }
+        let mut rows = Vec::from_iter(lines.iter().flat_map(|line| broken(line, columns)));
+        rows.truncate(most);
+        rows
+    }
+
+    /// Lays out lines in as few pages as a window of this size takes. Each but the last ends with a line that says so.
+    pub(super) fn pages(&self, lines: &[String], more: &str, window: [u32; 2]) -> Vec<Rows> {
+        let [columns, most] = self.fitting(window);
+        let rows = Vec::from_iter(lines.iter().flat_map(|line| broken(line, columns)));
+        if rows.len() <= most || most < 2 {
+            return vec![rows.into_iter().take(most).collect()];
+        }
+        let mut pages = Vec::from_iter(rows.chunks(most - 1).map(<[_]>::to_vec));
+        let last = pages.len();
+        for (index, page) in pages.iter_mut().enumerate() {
+            page.extend(broken(&format!("{more} ({} of {last})", index + 1), columns).into_iter().take(1));
+        }
+        pages
+    }
+
+    /// Returns how many columns and rows of text a window of this size has.
+    fn fitting(&self, window: [u32; 2]) -> [usize; 2] {
+        let margins = 2 * MARGIN * get_raster_width(FontWeight::Regular, self.size);
+        let [width, height] = window.map(|side| (side as usize).saturating_sub(margins));
+        [width / get_raster_width(FontWeight::Regular, self.size), height / self.size.val()]
+    }
+
+    /// Draws rows of text.
+    pub(super) fn picture(&self, lines: &Rows) -> Picture {
         let (w, h) = (get_raster_width(FontWeight::Regular, self.size), self.size.val());
         let margin = MARGIN * w;
-        let columns = (width as usize).saturating_sub(2 * margin) / w;
-        let rows = (height as usize).saturating_sub(2 * margin) / h;
-        let mut lines: Vec<Vec<char>> = lines.iter().flat_map(|line| broken(line, columns)).collect();
-        lines.truncate(rows);
         let longest = lines.iter().map(Vec::len).max().unwrap_or(0);
         if longest == 0 {
             return Picture::new(1, 1, vec![[0; 4]]);
@@ -108,13 +151,37 @@ mod tests {
         for scale in [1.0, 1.5, 2.0] {
             let panel = Panel::new(scale);
             for size in [[300, 200], [60, 30], [7, 7], [1, 1], [0, 0]] {
-                let Picture { width, height, rgba8, .. } = panel.picture(&lines, size);
-                assert!(width <= size[0].max(1) && height <= size[1].max(1), "{width}x{height} in {size:?}");
-                assert_eq!(rgba8.len(), (width * height) as usize);
+                let mut laid_out = panel.pages(&lines, "more", size);
+                laid_out.push(panel.strip(&lines, size));
+                for rows in laid_out {
+                    let Picture { width, height, rgba8, .. } = panel.picture(&rows);
+                    assert!(width <= size[0].max(1) && height <= size[1].max(1), "{width}x{height} in {size:?}");
+                    assert_eq!(rgba8.len(), (width * height) as usize);
+                }
             }
-            let shown = panel.picture(&lines[..1], [900, 100]);
+            let shown = panel.picture(&panel.strip(&lines[..1], [900, 100]));
             assert!(shown.rgba8.contains(&TEXT) && shown.rgba8.contains(&GROUND));
         }
+    }
+
+    #[test]
+    fn a_strip_has_few_rows_and_pages_have_all_lines() {
+        let panel = Panel::new(1.0);
+        let text = |rows: &Rows| Vec::from_iter(rows.iter().map(String::from_iter));
+        let texts = ["one", "two", "three"].map(str::to_owned);
+        // A window with room for so many columns and rows.
+        let room = |columns: usize, rows: usize| {
+            let (w, h) = (get_raster_width(FontWeight::Regular, panel.size), panel.size.val());
+            [w * (columns + 2 * MARGIN), 2 * MARGIN * w + h * rows].map(|side| side as u32)
+        };
+        assert_eq!(text(&panel.strip(&texts, room(17, 9))), ["one | two | three"]);
+        assert_eq!(text(&panel.strip(&texts, room(16, 9))), ["one | two", "three"]);
+        assert_eq!(text(&panel.strip(&texts, room(16, 1))), ["one | two"]);
+        let pages = |rows| Vec::from_iter(panel.pages(&texts, "H: more", room(20, rows)).iter().map(text));
+        assert_eq!(pages(3), [texts.to_vec()]);
+        let more = |line: &str, page| vec![line.to_owned(), format!("H: more ({page} of 3)")];
+        assert_eq!(pages(2), [more("one", 1), more("two", 2), more("three", 3)]);
+        assert_eq!(pages(1), [["one"]]);
     }
 
     #[test]

@@ -80,6 +80,9 @@ pub(super) struct Show {
     wrap: wgpu::Sampler,
     views: [wgpu::Texture; 2],
     panel: wgpu::Texture,
+    /// Whether the text is at the window's lower edge.
+    is_below: bool,
+    first_row: wgpu::Buffer,
 }
 
 impl Show {
@@ -88,11 +91,10 @@ impl Show {
         let device = gpu.device();
         let source = wgpu::ShaderSource::Wgsl(SHADER.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("show"), source });
-        let part = wgpu::BufferDescriptor {
-            label: Some("part"),
-            size: size_of::<Part>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
+        let uniform = |label, size| {
+            let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+            let (label, size) = (Some(label), size as u64);
+            device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
         };
         let sampler = |label, address_mode_u| {
             device.create_sampler(&wgpu::SamplerDescriptor {
@@ -107,11 +109,13 @@ impl Show {
         Self {
             of_view: pipeline(device, &module, "view", PICTURE),
             of_window: pipeline(device, &module, "show", format),
-            parts: [0, 1].map(|_| device.create_buffer(&part)),
+            parts: [0, 1].map(|_| uniform("part", size_of::<Part>())),
             stretch: sampler("stretch", wgpu::AddressMode::ClampToEdge),
             wrap: sampler("wrap", wgpu::AddressMode::Repeat),
             views: [0, 1].map(|_| uploaded("view")),
             panel: uploaded("panel"),
+            is_below: false,
+            first_row: uniform("first row", size_of::<[u32; 4]>()),
             module,
             renderer: Renderer::new(gpu),
         }
@@ -124,8 +128,9 @@ impl Show {
         }
     }
 
-    /// Uploads another picture of the text.
-    pub(super) fn set_panel(&mut self, Picture { width, height, rgba8, .. }: &Picture) {
+    /// Uploads another picture of the text, for the window's upper or lower edge.
+    pub(super) fn set_panel(&mut self, Picture { width, height, rgba8, .. }: &Picture, is_below: bool) {
+        self.is_below = is_below;
         fill(self.renderer.gpu(), &mut self.panel, ("panel", [*width, *height]), rgba8);
     }
 
@@ -181,8 +186,13 @@ impl Show {
             }
         };
         let [picture, panel] = [&picture, &self.panel].map(view);
-        let resources =
-            [(0, wgpu::BindingResource::TextureView(&picture)), (1, wgpu::BindingResource::TextureView(&panel))];
+        let first_row = if self.is_below { target.height().saturating_sub(self.panel.height()) } else { 0 };
+        self.renderer.gpu().queue().write_buffer(&self.first_row, 0, bytemuck::bytes_of(&[first_row, 0, 0, 0]));
+        let resources = [
+            (0, wgpu::BindingResource::TextureView(&picture)),
+            (1, wgpu::BindingResource::TextureView(&panel)),
+            (4, self.first_row.as_entire_binding()),
+        ];
         run(device, &mut encoder, pipeline, &resources, target);
         Ok(encoder)
     }
@@ -415,13 +425,16 @@ mod tests {
     }
 
     #[test]
-    fn text_stands_over_the_picture_in_its_corner() {
+    fn text_stands_over_the_picture_in_a_left_corner() {
         let (pair, _) = setting();
         let mut show = show(pair);
-        show.set_panel(&Picture::new(2, 1, vec![[255, 255, 255, 255], [9, 9, 9, 0]]));
-        let found = show.picture(plain(LEFT), SIZE).unwrap();
-        assert_eq!(found.rgba8[0], [255; 4]);
-        assert_eq!(found.rgba8[1..], pair.left.rgba8[1..]);
+        let text = Picture::new(2, 1, vec![[255, 255, 255, 255], [9, 9, 9, 0]]);
+        for (is_below, place) in [(false, 0), (true, (SIZE[0] * (SIZE[1] - 1)) as usize)] {
+            show.set_panel(&text, is_below);
+            let mut expected = pair.left.rgba8.clone();
+            expected[place] = [255; 4];
+            assert_eq!(show.picture(plain(LEFT), SIZE).unwrap().rgba8, expected);
+        }
     }
 
     #[test]

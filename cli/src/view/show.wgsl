@@ -2,7 +2,7 @@
 // colours are sRGB-encoded.
 //
 // reads   picture  for `view`, what was rendered for an eye; for `show`, what the window shows
-// reads   panel    text with alpha, at the window's top left corner
+// reads   panel    text with alpha, at the window's left edge from row `first_row` on
 
 // The part of a view that an eye sees.
 struct Part {
@@ -20,6 +20,7 @@ struct Part {
 @group(0) @binding(1) var panel: texture_2d<f32>;
 @group(0) @binding(2) var<uniform> part: Part;
 @group(0) @binding(3) var between: sampler;
+@group(0) @binding(4) var<uniform> first_row: vec4u;
 
 const PI = 3.14159265;
 
@@ -46,8 +47,10 @@ fn show(@builtin(position) position: vec4f) -> @location(0) vec4f {
     // In a window of odd width, one column belongs to no eye.
     var color = vec3f(0.0);
     if all(place < textureDimensions(picture)) { color = textureLoad(picture, place, 0).rgb; }
-    if all(place < textureDimensions(panel)) {
-        let text = textureLoad(panel, place, 0);
+    // Above the first row this is no place of the panel, since it wraps around.
+    let written = vec2u(place.x, place.y - first_row.x);
+    if all(written < textureDimensions(panel)) {
+        let text = textureLoad(panel, written, 0);
         color = mix(color, text.rgb, text.a);
     }
     return vec4f(color, 1.0);

@@ -26,8 +26,8 @@ pub(super) fn help(is_around: bool) -> Vec<String> {
     first.iter().chain(rest).map(|(key, does)| format!("{key:<13}{does}")).collect()
 }
 
-/// Returns the lines over the picture.
-pub(super) fn lines(status: &Status<'_>) -> Vec<String> {
+/// Returns the texts over the picture.
+pub(super) fn texts(status: &Status<'_>) -> Vec<String> {
     let settings = status.settings;
     let mut lines = vec![shown(settings)];
     let Some(frame) = status.frame else {
@@ -56,6 +56,23 @@ pub(super) fn lines(status: &Status<'_>) -> Vec<String> {
     lines.extend(status.note.map(str::to_owned));
     lines.push("H: keys".into());
     lines
+}
+
+/// Returns whether text over this share of the rows conflicts with less at the lower edge than at the upper one. Text has
+/// no parallax, so that nearer content behind it contradicts it.
+pub(super) fn is_better_below(pair: &StereoPair, share: f32) -> bool {
+    let nearest = |is_below: bool| {
+        let views = [&pair.left, &pair.right].into_iter();
+        let depths = views.flat_map(|view| {
+            let covered = ((view.height as f32 * share).ceil() as usize).min(view.height as usize);
+            let covered = covered * view.width as usize;
+            let first = if is_below { view.depth.len() - covered } else { 0 };
+            &view.depth[first..first + covered]
+        });
+        depths.copied().fold(f32::INFINITY, f32::min)
+    };
+    let above = nearest(false);
+    above < pair.pose.screen_distance && nearest(true) > above
 }
 
 /// Returns the lines about depth in a planar pair.
@@ -104,5 +121,34 @@ fn method(asked: Method, pair: &StereoPair) -> String {
     match statistics.reused + statistics.bad + statistics.missed {
         0 => format!("{asked}{used}: the second eye traced in full"),
         _ => format!("{asked}{used}: {:.2}% of the second eye re-traced", 100.0 * statistics.retraced_share()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stereotrace::{Builtin, Gpu, Options, Renderer, blocking::Wait};
+
+    use super::*;
+
+    #[test]
+    fn text_is_below_where_nearer_content_is_above_alone() {
+        let mut renderer = Renderer::new(Gpu::open("software").wait().unwrap());
+        let scene = renderer.upload(&Builtin::Spheres.scene()).wait().unwrap();
+        let camera = Builtin::Spheres.camera(16, 10);
+        let mut pair = renderer.pair(&scene, &camera).options(&Options::new(Method::Naive)).read().wait().unwrap();
+        let screen = pair.pose.screen_distance;
+        let last = pair.left.depth.len() - 1;
+        for (above, below, expected) in
+            [(2.0, 3.0, false), (1.0, 0.9, false), (0.9, 1.0, true), (0.9, 0.8, false), (0.8, 0.9, true)]
+        {
+            for view in [&mut pair.left, &mut pair.right] {
+                view.depth.fill(f32::INFINITY);
+                // In rows between the edges nothing counts.
+                view.depth[5 * 16] = 0.1 * screen;
+            }
+            pair.right.depth[16] = above * screen;
+            pair.left.depth[last] = below * screen;
+            assert_eq!(is_better_below(&pair, 0.2), expected, "{above} above, {below} below");
+        }
     }
 }

@@ -89,7 +89,8 @@ pub(super) struct App {
     /// Message that is shown until the next action.
     note: Option<String>,
     text: bool,
-    help: bool,
+    /// Page of the list of keys.
+    help: Option<usize>,
     /// Whether to write the picture once the whole picture is ready.
     write: bool,
     /// Wiggle mode: time of the next change, and whether the right eye is shown.
@@ -131,7 +132,7 @@ impl App {
             shown: 0,
             note: None,
             text,
-            help: false,
+            help: None,
             write: false,
             turn: (now, false),
             modifiers: ModifiersState::empty(),
@@ -200,23 +201,41 @@ impl App {
 
     /// Updates the text and requests a redraw.
     fn refresh(&mut self) {
-        let lines = match (self.text, self.help) {
-            (_, true) => status::help(self.settings.head.is_some()),
-            (false, _) => Vec::new(),
-            (true, _) => status::lines(&status::Status {
-                settings: &self.settings,
-                frame: self.frame.as_deref(),
-                adapter: self.adapter.as_deref(),
-                is_current: self.frame.as_ref().is_some_and(|frame| frame.version == self.version),
-                note: self.note.as_deref(),
-                display_width: self.display_width,
-            }),
+        let frame = self.frame.as_deref();
+        let rows = match self.help {
+            Some(page) => {
+                // A window that has grown since has fewer pages.
+                let mut pages = self.pages_of_help();
+                pages.swap_remove(page.min(pages.len() - 1))
+            }
+            None if self.text => self.panel.strip(
+                &status::texts(&status::Status {
+                    settings: &self.settings,
+                    frame,
+                    adapter: self.adapter.as_deref(),
+                    is_current: frame.is_some_and(|frame| frame.version == self.version),
+                    note: self.note.as_deref(),
+                    display_width: self.display_width,
+                }),
+                self.settings.shown_size(),
+            ),
+            None => Vec::new(),
         };
-        let size = self.settings.shown_size();
+        let text = self.panel.picture(&rows);
+        let share = text.height as f32 / self.settings.shown_size()[1].max(1) as f32;
+        // The head decides what is in the rows of a pair all around.
+        let frame = frame.filter(|_| self.settings.head.is_none());
+        let is_below = frame.is_some_and(|frame| status::is_better_below(&frame.pair, share));
         if let Some(screen) = &mut self.screen {
-            screen.show.set_panel(&self.panel.picture(&lines, size));
+            screen.show.set_panel(&text, is_below);
             screen.window.request_redraw();
         }
+    }
+
+    /// Returns the list of keys in pages that fit the window.
+    fn pages_of_help(&self) -> Vec<Vec<Vec<char>>> {
+        let keys = status::help(self.settings.head.is_some());
+        self.panel.pages(&keys, "H: more", self.settings.shown_size())
     }
 
     fn draw(&mut self, event_loop: &ActiveEventLoop) {
@@ -336,7 +355,10 @@ impl App {
                 }
             }
             Action::Text => self.text = !self.text,
-            Action::Help => self.help = !self.help,
+            Action::Help => {
+                let next = self.help.map_or(0, |page| page + 1);
+                self.help = (next < self.pages_of_help().len()).then_some(next);
+            }
             Action::Write => {
                 self.write = true;
                 self.note = Some("the picture will be written when it is complete".into());
