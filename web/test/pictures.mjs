@@ -251,7 +251,8 @@ await test("comparison, downloads, quilt and chart", async () => {
     assert.equal(await page.locator("#plot circle").count(), json.methods.length);
     await page.screenshot({ path: path.join(out, "chart.png"), fullPage: true });
     const report = await page.evaluate(async () => {
-        const { Renderer } = await import("./pkg/index.js");
+        const { Renderer, init } = await import("./pkg/index.js");
+        await init();
         const parsed = new DOMParser().parseFromString(await new Renderer().report(1), "text/html");
         return JSON.parse(parsed.querySelector("#report")?.textContent ?? "");
     });
