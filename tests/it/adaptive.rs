@@ -5,7 +5,7 @@ use crate::common;
 
 use std::ops::ControlFlow;
 
-use common::{random_stage, renderer, sampling::camera};
+use common::{cases, random_stage, renderer, sampling::camera};
 use stereotrace::{
     Adaptive, AmbientOcclusion, Builtin, Error, Filter, GBuffer, Light, Method, Options, Renderer, Rig, Rows, Scene,
     StereoCamera, UploadedScene, View, blocking::Wait, glam::Vec3,
@@ -84,7 +84,7 @@ fn bracket_rays_are_naive_to_the_last_bit() {
         (random_stage(7), camera(1100, 40), 2),
         (soft, Builtin::Random125Both.camera(90, 70), 3),
     ];
-    for (scene, camera, levels) in rows {
+    for (scene, camera, levels) in cases(rows, 2) {
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let rig = Rig::at(camera, vec![-0.5, 0.5, 1.5, -1.5]).traced(vec![1]);
         let options = |method| {

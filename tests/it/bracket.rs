@@ -71,7 +71,7 @@ fn least_identical(name: &str) -> [f64; 2] {
 #[test]
 fn only_shadows_of_what_is_thinner_than_the_left_samples_differ() {
     let mut renderer = renderer();
-    for (name, scene, camera) in scenes() {
+    for (name, scene, camera) in cases(scenes(), 2) {
         let uploaded = renderer.upload(&scene).wait().unwrap();
         let mut render =
             |method| renderer.pair(&uploaded, &camera).options(&Options::new(method)).read().wait().unwrap();

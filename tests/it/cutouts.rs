@@ -4,10 +4,10 @@
 use crate::common;
 use crate::truth;
 
-use common::{is_exact, random::Random, random_foliage, render, renderer, renderer_by};
+use common::{is_exact, random::Random, random_foliage, render, renderer, renderer_by, traversals};
 use stereotrace::{
-    Boxes, BvhBuild, Ellipsoid, Fetch, Finish, Light, MISS, Material, MaterialId, Mesh, Method, Options, Ray, Scene,
-    Sky, Sphere, StereoCamera, StereoPair, Texture, TextureId, Traversal, Update, Wrap,
+    BvhBuild, Ellipsoid, Finish, Light, MISS, Material, MaterialId, Mesh, Method, Options, Ray, Scene, Sky, Sphere,
+    StereoCamera, StereoPair, Texture, TextureId, Traversal, Update, Wrap,
     blocking::Wait,
     glam::{Affine3A, Vec2, Vec3},
     metrics::compare,
@@ -213,8 +213,7 @@ fn a_mirror_with_holes_shows_what_is_behind_them_and_elsewhere_what_it_mirrors()
 fn every_traversal_and_bracket_see_what_naive_sees() {
     let camera = camera(93, 62);
     let mut first: Option<Vec<StereoPair>> = None;
-    for &traversal in Traversal::ALL.iter().filter(|with| (with.boxes == Boxes::F32) == (with.fetch == Fetch::Texture))
-    {
+    for traversal in traversals() {
         let mut renderer = renderer_by(traversal);
         let exact = is_exact(&renderer);
         let scenes = [random_foliage(4, false), random_foliage(5, true), fence(true)];

@@ -142,7 +142,7 @@ fn kernel_rays_are_those_of_double_precision() {
 #[test]
 fn hits_are_those_of_a_search_through_all_primitives() {
     for (name, lens) in cases(kinds(), 2) {
-        for builtin in [Builtin::ThreeSpheres, Builtin::Near] {
+        for builtin in cases([Builtin::Near, Builtin::ThreeSpheres], 2) {
             let scene = builtin.scene();
             let camera = builtin.camera(SIZE[0], SIZE[1]).interaxial(0.3).lens(lens);
             let pair = render(&scene, &camera, Method::Naive);
