@@ -177,8 +177,8 @@ fn raise_limits(needed: &mut wgpu::Limits, kernel: &Kernel, module: &naga::Modul
 }
 
 /// Builds every 27th variant of each kernel, and every 81st of kernels that draw on tables, at least one of each, with
-/// offsets that differ between kernels. The long form (`STEREOTRACE_TESTS=long`) builds every third and every ninth. Drivers are too slow
-/// to build all variants. naga and Tint validate all of them.
+/// offsets that differ between kernels. The long form (`STEREOTRACE_TESTS=long`) builds every third and every ninth.
+/// Drivers are too slow to build all variants. naga and Tint validate all of them.
 #[test]
 fn specialised_kernels_make_pipelines() {
     let gpu = crate::Gpu::under_test();

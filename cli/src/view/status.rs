@@ -58,8 +58,8 @@ pub(super) fn texts(status: &Status<'_>) -> Vec<String> {
     lines
 }
 
-/// Returns whether text over this share of the rows conflicts with less at the lower edge than at the upper one. Text has
-/// no parallax, so that nearer content behind it contradicts it.
+/// Returns whether text over this share of the rows conflicts with less at the lower edge than at the upper one. Text
+/// has no parallax, so that nearer content behind it contradicts it.
 pub(super) fn is_better_below(pair: &StereoPair, share: f32) -> bool {
     let nearest = |is_below: bool| {
         let views = [&pair.left, &pair.right].into_iter();
