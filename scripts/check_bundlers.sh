@@ -9,11 +9,8 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 adapter=none
 # shellcheck source=scripts/setup.sh
 . "$root/scripts/setup.sh"
-# shellcheck source=scripts/node.sh
-. "$root/scripts/node.sh"
-have chromium || apt_install chromium
-icd=/usr/lib/chromium/vk_swiftshader_icd.json
-[ -f "$icd" ] || fail "no $icd: Debian's chromium has it"
+# shellcheck source=scripts/chromium.sh
+. "$root/scripts/chromium.sh"
 [ -d "$root/target/page/pkg" ] || sh "$root/scripts/web.sh" build
 
 npm_package playwright-core 1.60.0

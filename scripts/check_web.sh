@@ -8,11 +8,8 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 adapter=none
 # shellcheck source=scripts/setup.sh
 . "$root/scripts/setup.sh"
-# shellcheck source=scripts/node.sh
-. "$root/scripts/node.sh"
-have chromium || apt_install chromium
-icd=/usr/lib/chromium/vk_swiftshader_icd.json # of the same build as the browser's
-[ -f "$icd" ] || fail "no $icd: Debian's chromium has it"
+# shellcheck source=scripts/chromium.sh
+. "$root/scripts/chromium.sh"
 
 sh "$root/scripts/web.sh" build
 

@@ -1,13 +1,13 @@
 // The head that turns inside an equirectangular picture. WebGL draws the planar part that it sees.
 // @ts-check
-import { drawing, uploaded } from "./webgl.js";
+import { PLACE_AROUND, drawing, uploaded } from "./webgl.js";
 
 /** Vertical field of view in degrees: at the beginning, least and most. */
 const FOV = { begin: 70, least: 20, most: 120 };
 
 const COLORS = `#version 300 es
 precision highp float;
-const float PI = 3.14159265;
+${PLACE_AROUND}
 uniform sampler2D picture;
 uniform vec2 size;     // of one view's part, in pixels
 uniform float views;   // side by side in the picture
@@ -19,7 +19,7 @@ void main() {
     float view = floor(gl_FragCoord.x / size.x);
     vec2 at = pixel * (gl_FragCoord.xy - vec2(view * size.x, 0.0) - 0.5 * size);
     vec3 ray = toPair * vec3(at, 1.0);
-    vec2 place = vec2(0.5 + atan(ray.x, ray.z) / (2.0 * PI * turn), 0.5 - atan(ray.y, length(ray.xz)) / PI);
+    vec2 place = place_around(ray, turn);
     // A place between two texels of different views would mix them.
     float half_texel = 0.5 * views / float(textureSize(picture, 0).x);
     bool inside = abs(place.x - 0.5) <= 0.5;

@@ -2,14 +2,14 @@
 // since the page has the pair's pictures in host memory anyway.
 // @ts-check
 import { element, engine, notice } from "./state.js";
-import { drawing, uploaded } from "./webgl.js";
+import { PLACE_AROUND, drawing, uploaded } from "./webgl.js";
 
 /** Distance in metres between the eyes of a headset that shows one view, and the least and most of a window. */
 const METRES = { eyes: 0.063, nearest: 0.5, farthest: 50 };
 
 const COLORS = `#version 300 es
 precision highp float;
-const float PI = 3.14159265;
+${PLACE_AROUND}
 in vec2 at;
 uniform sampler2D picture;
 uniform vec4 projection; // of the headset's view: scales of x and y, then their skews
@@ -22,7 +22,7 @@ void main() {
     vec3 ray = toPair * vec3((at + projection.zw) / projection.xy, -1.0);
     vec2 place;
     if (turn > 0.0) {
-        place = vec2(0.5 + atan(ray.x, ray.z) / (2.0 * PI * turn), 0.5 - atan(ray.y, length(ray.xz)) / PI);
+        place = place_around(ray, turn);
     } else {
         vec2 hit = eye.xy + (window.z - eye.z) / ray.z * ray.xy;
         place = ray.z * (window.z - eye.z) > 0.0 ? vec2(0.5 + hit.x / window.x, 0.5 - hit.y / window.y) : vec2(-1.0);
@@ -100,7 +100,8 @@ async function present(session, pair, camera) {
     }
     session.requestAnimationFrame(draw);
     await new Promise((done) => session.addEventListener("end", done));
-    for (const texture of textures) gl.deleteTexture(texture);
+    // Browsers keep few contexts, and another session makes another one.
+    gl.getExtension("WEBGL_lose_context")?.loseContext();
 }
 
 /** Offers the button where there is a headset. */

@@ -8,6 +8,13 @@ void main() {
     gl_Position = vec4(at, 0.0, 1.0);
 }`;
 
+/** For fragment shaders: the place from 0 to 1 of a ray (right, up, ahead) in an equirectangular picture. */
+export const PLACE_AROUND = `
+const float PI = 3.14159265;
+vec2 place_around(vec3 ray, float turn) { // turn: the share of a full turn that the picture shows
+    return vec2(0.5 + atan(ray.x, ray.z) / (2.0 * PI * turn), 0.5 - atan(ray.y, length(ray.xz)) / PI);
+}`;
+
 /**
  * Prepares to draw triangles of three vertices, whose colours a fragment shader gives. Its input `at` is the place in
  * normalized device coordinates. Returns null if the context is lost.
@@ -29,7 +36,13 @@ export function drawing(gl, colors) {
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(`WebGL: ${gl.getProgramInfoLog(program)}`);
     gl.useProgram(program);
     const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
-    return { gl, most, place: (/** @type {string} */ name) => gl.getUniformLocation(program, name) };
+    /** @type {Map<string, WebGLUniformLocation | null>} */
+    const places = new Map();
+    const place = (/** @type {string} */ name) => {
+        if (!places.has(name)) places.set(name, gl.getUniformLocation(program, name));
+        return /** @type {WebGLUniformLocation | null} */ (places.get(name));
+    };
+    return { gl, most, place };
 }
 
 /** Returns a picture's texture, which is bound. @param {WebGL2RenderingContext} gl @param {ImageBitmap} picture */

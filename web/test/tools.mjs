@@ -15,7 +15,7 @@ export const TIMEOUT = 120_000;
 
 await rm(out, { recursive: true, force: true });
 await mkdir(out, { recursive: true });
-export const { server, address } = await serve(site);
+export const { address } = await serve(site);
 const flags = [
     "--no-sandbox",
     "--enable-unsafe-webgpu",

@@ -29,27 +29,22 @@ impl Panel {
 
     /// Lays out texts one after the other, in few rows of a window of this size.
     pub(super) fn strip(&self, texts: &[String], window: [u32; 2]) -> Rows {
-        const BETWEEN: &str = " | ";
         let [columns, most] = self.fitting(window);
         let mut lines: Vec<String> = Vec::new();
         for text in texts {
-            match lines.last_mut() {
-                Some(line)
-                    if [line.as_str(), BETWEEN, text].iter().map(|part| part.chars().count()).sum::<usize>()
-                        <= columns =>
-                {
-                    line.push_str(BETWEEN);
-                    line.push_str(text);
-                }
-                _ => lines.push(text.clone()),
+            let joined = lines.last().map(|line| format!("{line} | {text}"));
+            let joined = joined.filter(|joined| joined.chars().count() <= columns);
+            if joined.is_some() {
+                lines.pop();
             }
+            lines.push(joined.unwrap_or_else(|| text.clone()));
         }
         let mut rows = Vec::from_iter(lines.iter().flat_map(|line| broken(line, columns)));
         rows.truncate(most);
         rows
     }
 
-    /// Lays out lines in as few pages as a window of this size takes. Each but the last ends with a line that says so.
+    /// Lays out lines in as few pages as a window of this size takes. Each of several ends with `more` and its number.
     pub(super) fn pages(&self, lines: &[String], more: &str, window: [u32; 2]) -> Vec<Rows> {
         let [columns, most] = self.fitting(window);
         let rows = Vec::from_iter(lines.iter().flat_map(|line| broken(line, columns)));
